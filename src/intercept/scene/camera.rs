@@ -10,7 +10,7 @@ pub struct Camera {
     /// The lens.
     pub intrinsics: Intrinsics,
     /// Reprojection matrices of all views, as the patched shaders take them.
-    pub rows: Vec<ReprojectionMatrix>,
+    pub reprojections: Vec<ReprojectionMatrix>,
     used: bool,
     /// Number of frames, including this one, for which the views are known to be drawn with this
     /// lens.
@@ -49,9 +49,9 @@ impl Cameras {
         if self.list.len() >= GREATEST {
             self.clear();
         }
-        let mut rows = self.spare.pop().unwrap_or_default();
-        rows.extend(session.rows(intrinsics).map(|rows| ReprojectionMatrix::of(&rows)));
-        self.list.push(Camera { intrinsics: *intrinsics, rows, used: true, shown: 0 });
+        let mut reprojections = self.spare.pop().unwrap_or_default();
+        reprojections.extend(session.rows(intrinsics).map(|reprojection| ReprojectionMatrix::of(&reprojection)));
+        self.list.push(Camera { intrinsics: *intrinsics, reprojections, used: true, shown: 0 });
         self.list.len() - 1
     }
 
@@ -138,7 +138,7 @@ impl Cameras {
 }
 
 fn forget(camera: &mut Camera, spare: &mut Vec<Vec<ReprojectionMatrix>>) {
-    let mut rows = std::mem::take(&mut camera.rows);
-    rows.clear();
-    spare.push(rows);
+    let mut reprojections = std::mem::take(&mut camera.reprojections);
+    reprojections.clear();
+    spare.push(reprojections);
 }

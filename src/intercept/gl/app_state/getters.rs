@@ -6,6 +6,7 @@ use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::state::compat::Compat;
 
 /// Returns up to four numbers that answer `glGet` for state that Cupola follows, and how many of
 /// them count.
@@ -52,8 +53,8 @@ fn app_state_answer(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
 }
 
 /// Converts a raster position of the driver to the program's window.
-fn raster_position(ctx: &Context, values: &mut [f64; 4]) {
-    let [x, y] = ctx.compat.raster_origin();
+fn raster_position(compat: &Compat, values: &mut [f64; 4]) {
+    let [x, y] = compat.raster_origin();
     values[0] -= f64::from(x);
     values[1] -= f64::from(y);
 }
@@ -82,11 +83,11 @@ macro_rules! getters {
                     if answered && ctx.compat.raster_origin() != [0; 2] {
                         let mut position = [0.0; 4];
                         gl.get_doublev(name, position.as_mut_ptr());
-                        raster_position(ctx, &mut position);
+                        raster_position(&ctx.compat, &mut position);
                         *values = $convert(position[0]);
                         *values.add(1) = $convert(position[1]);
                     }
-                } else if let Some(matrix) = wide_projection::answer(ctx, gl, name) {
+                } else if let Some(matrix) = wide_projection::answer(&ctx.drawable, &mut ctx.compat, gl, name) {
                     for (i, value) in matrix.into_iter().enumerate() {
                         *values.add(i) = $convert(value);
                     }

@@ -11,7 +11,10 @@ use crate::intercept::gl::app_state::window_state::follow_viewport;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::now_or_later;
+use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::app::window_arrays::{self, Viewport, WindowArrays};
+use crate::intercept::gl::state::drawable::Drawable;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::ViewportLimits;
 
 /// Returns the rectangles of a call, for the indices from `first` on. `None`: the driver gets the
@@ -74,9 +77,9 @@ fn set_scissors(ctx: &mut Context, first: u32, scissors: Vec<LowerLeftRect>) {
 }
 
 /// Returns `index` if `cap` is the scissor test and Cupola follows the test of this index.
-fn scissor_test(ctx: &Context, cap: u32, index: u32) -> Option<usize> {
+fn scissor_test(driver: &Driver, cap: u32, index: u32) -> Option<usize> {
     let is_followed = |index: &usize| cap == api::GL_SCISSOR_TEST && *index < window_arrays::COUNT;
-    Some(index as usize).filter(|index| is_followed(index) && ctx.driver.profile.viewport_arrays)
+    Some(index as usize).filter(|index| is_followed(index) && driver.profile.viewport_arrays)
 }
 
 /// Answer to a program's question about a viewport or scissor by its index.
@@ -94,12 +97,12 @@ impl Answer {
     }
 }
 
-fn app_state_answer(ctx: &Context, name: u32, index: u32) -> Option<Answer> {
-    ctx.drawable.target()?;
+fn app_state_answer(app: &AppState, drawable: &Drawable, name: u32, index: u32) -> Option<Answer> {
+    drawable.target()?;
     let index = Some(index as usize).filter(|index| *index < window_arrays::COUNT)?;
     match name {
-        api::GL_VIEWPORT => Some(Answer::Viewport(ctx.app.viewport_at(index))),
-        api::GL_SCISSOR_BOX => Some(Answer::Scissor(ctx.app.scissor_at(index))),
+        api::GL_VIEWPORT => Some(Answer::Viewport(app.viewport_at(index))),
+        api::GL_SCISSOR_BOX => Some(Answer::Scissor(app.scissor_at(index))),
         _ => None,
     }
 }
@@ -109,7 +112,7 @@ macro_rules! hooks_with_getters {
         hooks! {
             $($hooks)*
             $( $name $method(name: u32, index: u32, values: *mut $t) = |ctx, gl| {
-                match app_state_answer(ctx, name, index).filter(|_| !values.is_null()) {
+                match app_state_answer(&ctx.app, &ctx.drawable, name, index).filter(|_| !values.is_null()) {
                     Some(answer) if is_answered(|room: *mut $t| gl.$method(name, index, room)) => {
                         *values.cast::<[$t; 4]>() = answer.numbers().map($convert);
                     }
@@ -164,21 +167,21 @@ hooks_with_getters! {
         }
     };
     "glEnablei" enablei(cap: u32, index: u32) = |ctx, gl| {
-        match scissor_test(ctx, cap, index) {
+        match scissor_test(&ctx.driver, cap, index) {
             Some(index) => change(ctx, move |arrays| arrays.tests |= 1 << index),
             None => gl.enablei(cap, index),
         }
         known_state::note(ctx, |known| known.forget_switch(cap));
     };
     "glDisablei" disablei(cap: u32, index: u32) = |ctx, gl| {
-        match scissor_test(ctx, cap, index) {
+        match scissor_test(&ctx.driver, cap, index) {
             Some(index) => change(ctx, move |arrays| arrays.tests &= !(1 << index)),
             None => gl.disablei(cap, index),
         }
         known_state::note(ctx, |known| known.forget_switch(cap));
     };
     "glIsEnabledi" is_enabledi(cap: u32, index: u32) -> u8 = |ctx, gl| {
-        match scissor_test(ctx, cap, index).filter(|_| ctx.drawable.target().is_some()) {
+        match scissor_test(&ctx.driver, cap, index).filter(|_| ctx.drawable.target().is_some()) {
             Some(index) => u8::from(ctx.app.scissor_test_at(index)),
             None => gl.is_enabledi(cap, index),
         }

@@ -7,7 +7,8 @@
 
 use super::getters::is_answered;
 use crate::backend::gl::driver::api::{self, Gl};
-use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::state::compat::Compat;
+use crate::intercept::gl::state::drawable::Drawable;
 use crate::runtime::session::{Intrinsics, MatrixClass};
 
 /// Distance of the sides of the box if the matrix has no far plane, in distances of its near plane.
@@ -15,21 +16,21 @@ const WITHOUT_FAR_PLANE: f64 = 1e6;
 
 /// Returns sixteen numbers that answer a `glGet` of the projection matrix; `None`: the driver
 /// answers.
-pub fn answer(ctx: &mut Context, gl: &Gl, name: u32) -> Option<[f64; 16]> {
+pub fn answer(drawable: &Drawable, compat: &mut Compat, gl: &Gl, name: u32) -> Option<[f64; 16]> {
     let transposed = match name {
         api::GL_PROJECTION_MATRIX => false,
         api::GL_TRANSPOSE_PROJECTION_MATRIX => true,
         _ => return None,
     };
-    let session = ctx.drawable.session().filter(|session| session.rig().camera.answer_wide)?;
+    let session = drawable.session().filter(|session| session.rig().camera.answer_wide)?;
     // Between Begin and End the driver gives no answer.
     // SAFETY: the room is larger than a matrix of doubles.
     if !is_answered(|room: *mut f64| unsafe { gl.get_doublev(name, room) }) {
         return None;
     }
-    ctx.compat.projection.refresh(gl, Some(session));
-    let MatrixClass::Perspective(lens) = ctx.compat.projection.class() else { return None };
-    let wide = widened(ctx.compat.projection.matrix(), lens)?;
+    compat.projection.refresh(gl, Some(session));
+    let MatrixClass::Perspective(lens) = compat.projection.class() else { return None };
+    let wide = widened(compat.projection.matrix(), lens)?;
     Some(if transposed { std::array::from_fn(|i| wide[i % 4 * 4 + i / 4]) } else { wide })
 }
 

@@ -6,21 +6,25 @@ use crate::correct::LowerLeftRect;
 use crate::intercept::gl::app_state::known_state;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::context::list_recording::ListState;
 use crate::intercept::gl::context::list_recording::{self, Command};
 use crate::intercept::gl::framebuffer::target::attach::follow_size;
 use crate::intercept::gl::projected_vertices;
+use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::app::attribute_stack::Pushed;
+use crate::intercept::gl::state::compat::Compat;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline::Pipeline;
 
 /// `glPushAttrib`.
-pub fn push_attributes(ctx: &mut Context, mask: u32) {
+pub fn push_attributes(driver: &Driver, app: &mut AppState, compat: &Compat, lists: &ListState, mask: u32) {
     // SAFETY: the program's own call.
-    unsafe { ctx.driver.gl.push_attrib(mask) };
+    unsafe { driver.gl.push_attrib(mask) };
     // The stack is as deep as OpenGL's own, which ignores a push beyond its depth.
-    if ctx.app.can_push(0) {
-        let raster = (mask & api::GL_CURRENT_BIT != 0).then(|| ctx.compat.saved_raster());
-        let (saved, list_base, known) = (ctx.app.saved(), ctx.lists.base(), ctx.driver.known_state.clone());
-        ctx.app.push(Pushed { mask, saved, list_base, known, raster });
+    if app.can_push(0) {
+        let raster = (mask & api::GL_CURRENT_BIT != 0).then(|| compat.saved_raster());
+        let (saved, list_base, known) = (app.saved(), lists.base(), driver.known_state.clone());
+        app.push(Pushed { mask, saved, list_base, known, raster });
     }
 }
 
@@ -81,7 +85,7 @@ fn set_program_scissor(ctx: &mut Context, rect: LowerLeftRect) {
 /// Sets the program's scissor test.
 fn set_scissor_test(ctx: &mut Context, on: bool) {
     if ctx.compiling() {
-        list_recording::record(ctx, Command::ScissorTest(on));
+        list_recording::record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::ScissorTest(on));
     } else {
         ctx.app.set_scissor_test(on);
         if !ctx.redirected() {
@@ -96,7 +100,7 @@ hooks! {
             // The driver reports the error.
             gl.viewport(x, y, width, height);
         } else if ctx.compiling() {
-            list_recording::record(ctx, Command::Viewport(LowerLeftRect::new(x, y, width, height)));
+            list_recording::record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::Viewport(LowerLeftRect::new(x, y, width, height)));
         } else {
             set_program_viewport(ctx, LowerLeftRect::new(x, y, width, height));
         }
@@ -105,7 +109,7 @@ hooks! {
         if width < 0 || height < 0 {
             gl.scissor(x, y, width, height);
         } else if ctx.compiling() {
-            list_recording::record(ctx, Command::Scissor(LowerLeftRect::new(x, y, width, height)));
+            list_recording::record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::Scissor(LowerLeftRect::new(x, y, width, height)));
         } else {
             set_program_scissor(ctx, LowerLeftRect::new(x, y, width, height));
         }
@@ -144,9 +148,9 @@ hooks! {
         gl.render_mode(mode)
     };
     "glPushAttrib" push_attrib(mask: u32) = |ctx, _gl| {
-        if ctx.compiling() { list_recording::record(ctx, Command::PushAttributes(mask)) } else { push_attributes(ctx, mask) }
+        if ctx.compiling() { list_recording::record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::PushAttributes(mask)) } else { push_attributes(&ctx.driver, &mut ctx.app, &ctx.compat, &ctx.lists, mask) }
     };
     "glPopAttrib" pop_attrib() = |ctx, _gl| {
-        if ctx.compiling() { list_recording::record(ctx, Command::PopAttributes) } else { pop_attributes(ctx) }
+        if ctx.compiling() { list_recording::record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::PopAttributes) } else { pop_attributes(ctx) }
     };
 }

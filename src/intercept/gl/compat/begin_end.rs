@@ -15,11 +15,13 @@ use crate::intercept::gl::draw::routing::draw;
 use crate::intercept::gl::per_view::issue::plain_program;
 use crate::intercept::gl::per_view::window_space::program_window_space;
 use crate::intercept::gl::projected_vertices::{self, Attribute};
+use crate::intercept::gl::state::compat::Compat;
 use crate::intercept::gl::state::compat::begin_end::{Phase, list_of};
 use crate::intercept::gl::state::compat::vertex_recorder::Recorder;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::Changes;
 use crate::intercept::gl::state::draw::primitives::Shape;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::projected_vertices::ProjectedVertices;
 
 /// Prepares for an array element, or a command that belongs to it: the driver compiles it next,
@@ -33,7 +35,7 @@ pub fn note_element(ctx: &mut Context) {
         // SAFETY: ends the driver's own Begin/End, since the driver creates no lists there.
         unsafe { ctx.driver.gl.end() };
         if ctx.compat.immediate.used_lists == ctx.compat.immediate.lists.len() {
-            let name = list_recording::own_name(ctx);
+            let name = list_recording::own_name(&ctx.share, &ctx.driver);
             ctx.compat.immediate.lists.push(name);
         }
         let immediate = &mut ctx.compat.immediate;
@@ -46,10 +48,10 @@ pub fn note_element(ctx: &mut Context) {
 }
 
 /// Records the call of a display list of the driver between Begin and End.
-pub fn note_list(ctx: &mut Context, list: u32) {
-    ctx.compat.immediate.close_elements(ctx.driver.gl);
-    ctx.compat.immediate.bounds.add_unknown();
-    ctx.compat.immediate.recorder.push_list(list);
+pub fn note_list(driver: &Driver, compat: &mut Compat, list: u32) {
+    compat.immediate.close_elements(driver.gl);
+    compat.immediate.bounds.add_unknown();
+    compat.immediate.recorder.push_list(list);
 }
 
 /// Moves the recorded commands to the display list that the program compiles, if there is one. The
@@ -115,7 +117,7 @@ fn issue(ctx: &mut Context, mode: u32, own: Own, bounds: Bounds, recorder: &Reco
             }
         }
     };
-    if recorder.has_lists() || !projected_vertices::reads_vertices(ctx, mode) {
+    if recorder.has_lists() || !projected_vertices::reads_vertices(&ctx.app, &ctx.drawable, &ctx.shaders, mode) {
         draw(ctx, changes, |_| bounds, whole);
         return;
     }
@@ -156,7 +158,7 @@ fn keep_apart(ctx: &mut Context) {
 /// Moves the recorded commands to the display list that is being compiled. The commands until the
 /// program's End go there directly.
 fn give_to_list(ctx: &mut Context) {
-    list_recording::will_draw(ctx, false);
+    list_recording::will_draw(&ctx.share, &ctx.driver, &mut ctx.lists, false);
     let Some(recording) = &mut ctx.lists.recording else { return };
     recording.bounds.add_unknown();
     recording.primitive.begin(ctx.compat.immediate.mode);
@@ -174,7 +176,7 @@ pub(super) fn run_part(ctx: &mut Context, list: u32, primitive: Primitive) {
     let gl = ctx.driver.gl;
     if let (false, Some(mode)) = (ctx.compat.immediate.under_way(), primitive.within) {
         if ctx.session().is_none() || ctx.app.picking() {
-            program_window_space(ctx);
+            program_window_space(&mut ctx.draw);
             plain_program(ctx);
             ctx.compat.immediate.passed_on = true;
             // SAFETY: the program's own call.
@@ -187,7 +189,7 @@ pub(super) fn run_part(ctx: &mut Context, list: u32, primitive: Primitive) {
         // SAFETY: brings the driver between Begin and End, where the program is.
         unsafe { gl.begin(list_of(mode)) };
     }
-    note_list(ctx, list);
+    note_list(&ctx.driver, &mut ctx.compat, list);
     if (primitive.ends, primitive.within) == (true, None) {
         // SAFETY: ends the driver's own Begin/End.
         unsafe { gl.end() };
@@ -207,12 +209,12 @@ hooks! {
             ctx.compat.immediate.begin(mode, ctx.driver.profile.generic_attributes);
             return;
         } else if ctx.lists.recording.is_some() {
-            list_recording::will_draw(ctx, false);
+            list_recording::will_draw(&ctx.share, &ctx.driver, &mut ctx.lists, false);
             if let Some(recording) = &mut ctx.lists.recording {
                 recording.primitive.begin(mode);
             }
         } else if ctx.session().is_none() || ctx.app.picking() {
-            program_window_space(ctx);
+            program_window_space(&mut ctx.draw);
             plain_program(ctx);
             ctx.compat.immediate.passed_on = true;
         } else if !ctx.compat.immediate.under_way() && mode <= api::GL_PATCHES {

@@ -36,7 +36,7 @@ pub(super) fn call(ctx: &mut Context, list: u32, depth: u32) {
     };
     match items {
         None if ctx.compat.immediate.under_way() => {
-            begin_end::note_list(ctx, list);
+            begin_end::note_list(&ctx.driver, &mut ctx.compat, list);
         }
         // A list that Cupola did not see compiled (a font of glXUseXFont, for example) may contain
         // any command.
@@ -110,7 +110,7 @@ pub fn run(ctx: &mut Context, command: &Command, depth: u32) {
         return;
     }
     match command {
-        Command::MatrixMode(mode) => matrices::set_mode(ctx, *mode),
+        Command::MatrixMode(mode) => matrices::set_mode(&ctx.driver, &mut ctx.app, *mode),
         Command::Viewport(rect) => {
             ctx.app.set_viewport(*rect);
             if !ctx.redirected() {
@@ -129,9 +129,11 @@ pub fn run(ctx: &mut Context, command: &Command, depth: u32) {
                 ctx.restore_window_space();
             }
         }
-        Command::PushAttributes(mask) => window_state::push_attributes(ctx, *mask),
+        Command::PushAttributes(mask) => {
+            window_state::push_attributes(&ctx.driver, &mut ctx.app, &ctx.compat, &ctx.lists, *mask)
+        }
         Command::PopAttributes => window_state::pop_attributes(ctx),
-        Command::UseProgram(program) => program_use::select(ctx, *program),
+        Command::UseProgram(program) => program_use::select(&ctx.share, &mut ctx.driver, &mut ctx.shaders, *program),
         Command::Clear(mask) => clears::clear_window(ctx, *mask),
         Command::DrawBuffer(buffer) => draw_buffers::select_draw_buffer(ctx, *buffer),
         Command::ReadBuffer(buffer) => draw_buffers::select_read_buffer(ctx, *buffer),
@@ -265,7 +267,11 @@ pub(in crate::intercept::gl) fn forget(ctx: &Context, first: u32, count: u32) {
 
 /// `glCallList`.
 pub fn call_list(ctx: &mut Context, list: u32) {
-    if ctx.compiling() { record(ctx, Command::CallList(list)) } else { call(ctx, list, 0) }
+    if ctx.compiling() {
+        record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::CallList(list))
+    } else {
+        call(ctx, list, 0)
+    }
 }
 
 /// `glCallLists`.
@@ -286,7 +292,7 @@ pub unsafe fn call_lists(ctx: &mut Context, count: i32, kind: u32, names: *const
     // SAFETY: as promised.
     let offsets = (0..count).map(|index| unsafe { offset(kind, names, index) });
     if ctx.compiling() {
-        record(ctx, Command::CallLists(offsets.collect()));
+        record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::CallLists(offsets.collect()));
     } else {
         offsets.for_each(|offset| call_at(ctx, offset, 0));
     }
@@ -300,7 +306,7 @@ hooks! {
         if is_compiled { 0 } else { gl.is_list(list) }
     };
     "glListBase" list_base(base: u32) = |ctx, _gl| {
-        if ctx.compiling() { record(ctx, Command::ListBase(base)) } else { set_list_base(&ctx.driver, &mut ctx.lists, base) }
+        if ctx.compiling() { record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::ListBase(base)) } else { set_list_base(&ctx.driver, &mut ctx.lists, base) }
     };
     "glDeleteLists" delete_lists(list: u32, range: i32) = |ctx, gl| {
         let Some(count) = u32::try_from(range).ok().filter(|count| *count > list_recording::OWN_NAMES) else {

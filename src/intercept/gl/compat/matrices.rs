@@ -6,12 +6,14 @@ use crate::intercept::gl::compat::display_lists;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
+use crate::intercept::gl::state::app::AppState;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::process::call_sum;
 
 /// Runs a matrix command of the program, or records it into the list that is being compiled.
 fn matrix_command(ctx: &mut Context, command: Command, run: impl FnOnce()) {
     if ctx.compiling() {
-        list_recording::record(ctx, command);
+        list_recording::record(&ctx.share, &ctx.driver, &mut ctx.lists, command);
         return;
     }
     run();
@@ -19,13 +21,13 @@ fn matrix_command(ctx: &mut Context, command: Command, run: impl FnOnce()) {
 }
 
 /// `glMatrixMode`.
-pub(super) fn set_mode(ctx: &mut Context, mode: u32) {
+pub(super) fn set_mode(driver: &Driver, app: &mut AppState, mode: u32) {
     // SAFETY: the program's own command.
-    unsafe { ctx.driver.gl.matrix_mode(mode) };
-    ctx.app.set_matrix_mode(match mode {
+    unsafe { driver.gl.matrix_mode(mode) };
+    app.set_matrix_mode(match mode {
         api::GL_MODELVIEW | api::GL_PROJECTION | api::GL_TEXTURE => mode,
         // The driver may refuse other matrices.
-        _ => integer(ctx.driver.gl, api::GL_MATRIX_MODE) as u32,
+        _ => integer(driver.gl, api::GL_MATRIX_MODE) as u32,
     });
 }
 
@@ -92,9 +94,9 @@ hooks! {
     "glMatrixPopEXT" matrix_pop_ext(mode: u32) = |ctx, gl| named(ctx, mode, Command::PopMatrix, || gl.matrix_pop_ext(mode));
     "glMatrixMode" matrix_mode(mode: u32) = |ctx, gl| {
         if ctx.compiling() {
-            list_recording::record(ctx, Command::MatrixMode(mode));
+            list_recording::record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::MatrixMode(mode));
         } else {
-            set_mode(ctx, mode);
+            set_mode(&ctx.driver, &mut ctx.app, mode);
         }
     };
     "glLoadIdentity" load_identity() = |ctx, gl| matrix_command(ctx, Command::LoadIdentity, || gl.load_identity());

@@ -6,7 +6,7 @@
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
-use crate::intercept::gl::compat::scene_position::{Placed, is_valid, move_by, raster_position};
+use crate::intercept::gl::compat::scene_position::{PlacedPosition, is_valid, move_by, raster_position};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
@@ -16,10 +16,13 @@ use crate::intercept::gl::per_view::classify::classify;
 use crate::intercept::gl::per_view::issue::Repeats;
 use crate::intercept::gl::per_view::window_space::own_window_space;
 use crate::intercept::gl::queries::scaling;
+use crate::intercept::gl::state::app::AppState;
+use crate::intercept::gl::state::compat::Compat;
 use crate::intercept::gl::state::compat::projection;
 use crate::intercept::gl::state::compat::raster_position::{ScenePosition, TextureCoordinates};
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::scene::query_scaling::QueryScaling;
 use std::ffi::c_void;
 
@@ -58,15 +61,15 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
         ctx.compat.raster.origin = old;
     }
     if ctx.compat.raster.scene.is_some() {
-        let color = taken_color(ctx, object);
+        let color = taken_color(&ctx.driver, &ctx.app, &ctx.compat, object);
         ctx.compat.raster.scene.iter_mut().for_each(|scene| scene.color = color);
     }
 }
 
 /// Returns the lit colour of the raster position. If the position is clipped in the program's
 /// window, OpenGL has computed no lit colour, so the position is set again where it is not clipped.
-fn taken_color(ctx: &Context, object: [f64; 4]) -> [f32; 4] {
-    let gl = ctx.driver.gl;
+fn taken_color(driver: &Driver, app: &AppState, compat: &Compat, object: [f64; 4]) -> [f32; 4] {
+    let gl = driver.gl;
     let mut color = [0.0; 4];
     // SAFETY: writes four floats. The current values, including the raster position, are pushed and
     // popped.
@@ -76,19 +79,19 @@ fn taken_color(ctx: &Context, object: [f64; 4]) -> [f32; 4] {
             return color;
         }
         gl.get_floatv(api::GL_CURRENT_COLOR, color.as_mut_ptr());
-        if !ctx.app.can_push(0) {
+        if !app.can_push(0) {
             return color;
         }
         gl.push_attrib(api::GL_CURRENT_BIT);
         // This matrix moves every position to the middle of the picture.
         let mut middle = [0.0; 16];
         middle[15] = 1.0;
-        projection::load(ctx.driver.gl, ctx.app.matrix_mode(), &middle);
+        projection::load(driver.gl, app.matrix_mode(), &middle);
         gl.raster_pos4d(object[0], object[1], object[2], object[3]);
         if is_valid(gl) {
             gl.get_floatv(api::GL_CURRENT_RASTER_COLOR, color.as_mut_ptr());
         }
-        projection::load(ctx.driver.gl, ctx.app.matrix_mode(), ctx.compat.projection.matrix());
+        projection::load(driver.gl, app.matrix_mode(), compat.projection.matrix());
         gl.pop_attrib();
     }
     color
@@ -129,7 +132,7 @@ pub fn draw_at_raster(ctx: &mut Context, changes: Changes, issue: impl Fn(&Gl)) 
     ctx.draw.cut_at_tile();
     if !ctx.redirected() {
         scaling::scale(ctx.driver.gl, &mut ctx.queries, QueryScaling::ONCE);
-        move_origin(ctx, [0, 0]);
+        move_origin(&ctx.driver, &mut ctx.compat, [0, 0]);
         issue(ctx.driver.gl);
         return true;
     }
@@ -145,15 +148,15 @@ pub fn draw_at_raster(ctx: &mut Context, changes: Changes, issue: impl Fn(&Gl)) 
 /// Draws at a raster position in the scene.
 fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Changes, issue: &dyn Fn(&Gl)) {
     let gl = ctx.driver.gl;
-    // `Placed` pushes one entry.
-    let repeats = Repeats::new(changes, ctx, 1);
+    // `PlacedPosition` pushes one entry.
+    let repeats = Repeats::new(changes, &ctx.driver, &ctx.app, 1);
     ctx.compat.projection.refresh(gl, ctx.drawable.session());
     let Some(mut target) = ctx.drawable.take_target() else { return };
     let before = raster_position(gl);
     // The current values, including the raster position, are restored. This is impossible if the
     // stack is full.
     let keeps = ctx.app.can_push(0);
-    let placed = Placed::begin(gl, &position, ctx.app.matrix_mode(), keeps);
+    let placed = PlacedPosition::begin(gl, &position, ctx.app.matrix_mode(), keeps);
     draw_in_views(ctx, &placed, &mut target, &mut || repeats.unchanged(gl, false, || issue(gl)));
     placed.end();
     // Draws once more at the position in the program's window, with an empty scissor. This moves
@@ -168,7 +171,7 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
 }
 
 /// Draws at a position of the scene in each view and in the program's own picture.
-fn draw_in_views(ctx: &mut Context, placed: &Placed, target: &mut DefaultFramebuffer, issue: &mut dyn FnMut()) {
+fn draw_in_views(ctx: &mut Context, placed: &PlacedPosition, target: &mut DefaultFramebuffer, issue: &mut dyn FnMut()) {
     let (gl, mode) = (ctx.driver.gl, ctx.app.matrix_mode());
     scaling::scale(gl, &mut ctx.queries, QueryScaling::ONCE);
     for index in 0..target.session.views().len() {
@@ -213,13 +216,13 @@ fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
     want_panel(ctx);
     ctx.frame.note_panel_draw();
     let Some(tiles) = ctx.drawable.target().map(|t| t.flat_tiles()) else { return };
-    let repeats = Repeats::new(changes, ctx, 0);
+    let repeats = Repeats::new(changes, &ctx.driver, &ctx.app, 0);
     let (mut before, pictures) = (None, tiles.iter().flatten().count());
     for (number, (tile, _)) in tiles.into_iter().flatten().enumerate() {
         let samples = if number == 0 { 1.0 } else { 0.0 };
         scaling::scale(ctx.driver.gl, &mut ctx.queries, QueryScaling { samples, ..QueryScaling::ONCE });
         own_window_space(ctx, tile);
-        move_origin(ctx, tile.origin());
+        move_origin(&ctx.driver, &mut ctx.compat, tile.origin());
         let begin = raster_position(gl);
         // Drawing in each tile begins at the same position as in the first tile.
         let [x, y] = [begin[0] - tile.x as f32, begin[1] - tile.y as f32];
@@ -231,11 +234,11 @@ fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
 
 /// Moves the driver's raster position to the tile with this origin. An invalid position cannot be
 /// moved, and draws nothing.
-fn move_origin(ctx: &mut Context, origin: [i32; 2]) {
-    let [x, y] = ctx.compat.raster.origin;
-    if [x, y] != origin && is_valid(ctx.driver.gl) {
-        move_by(ctx.driver.gl, (origin[0] - x) as f32, (origin[1] - y) as f32);
-        ctx.compat.raster.origin = origin;
+fn move_origin(driver: &Driver, compat: &mut Compat, origin: [i32; 2]) {
+    let [x, y] = compat.raster.origin;
+    if [x, y] != origin && is_valid(driver.gl) {
+        move_by(driver.gl, (origin[0] - x) as f32, (origin[1] - y) as f32);
+        compat.raster.origin = origin;
     }
 }
 
@@ -243,7 +246,7 @@ fn move_origin(ctx: &mut Context, origin: [i32; 2]) {
 pub fn raster_command(ctx: &mut Context, issue: impl Fn(&Gl)) {
     let gl = ctx.driver.gl;
     if ctx.lists.recording.is_some() {
-        list_recording::will_draw(ctx, true);
+        list_recording::will_draw(&ctx.share, &ctx.driver, &mut ctx.lists, true);
         issue(gl);
     } else if !draw_at_raster(ctx, Changes::Nothing, &issue) {
         issue(gl);
@@ -252,7 +255,7 @@ pub fn raster_command(ctx: &mut Context, issue: impl Fn(&Gl)) {
 
 fn raster_position_command(ctx: &mut Context, position: [f64; 4]) {
     if ctx.compiling() {
-        list_recording::record(ctx, Command::RasterPosition(position));
+        list_recording::record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::RasterPosition(position));
     } else {
         set_position(ctx, position);
     }
@@ -260,7 +263,7 @@ fn raster_position_command(ctx: &mut Context, position: [f64; 4]) {
 
 fn window_position_command(ctx: &mut Context, position: [f64; 3]) {
     if ctx.compiling() {
-        list_recording::record(ctx, Command::WindowPosition(position));
+        list_recording::record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::WindowPosition(position));
     } else {
         set_window_position(ctx, position);
     }

@@ -4,9 +4,9 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::compat::raster_position::{ScenePosition, TextureCoordinates};
 
-/// Raster position of the scene during drawing in several views. [`Placed::end`] restores the
+/// Raster position of the scene during drawing in several views. [`PlacedPosition::end`] restores the
 /// driver's state.
-pub(in crate::intercept::gl) struct Placed<'a> {
+pub(in crate::intercept::gl) struct PlacedPosition<'a> {
     gl: &'static Gl,
     position: &'a ScenePosition,
     present: Present,
@@ -16,7 +16,7 @@ pub(in crate::intercept::gl) struct Placed<'a> {
     keeps: bool,
 }
 
-impl<'a> Placed<'a> {
+impl<'a> PlacedPosition<'a> {
     /// Pushes the model-view matrix and loads the matrix of the position. `keeps`: pushes the
     /// current attributes too.
     pub(in crate::intercept::gl) fn begin(

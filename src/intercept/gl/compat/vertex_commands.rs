@@ -6,13 +6,13 @@
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::compat::begin_end;
-use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::ListState;
 use crate::intercept::gl::state::compat::Compat;
 use crate::intercept::gl::state::compat::begin_end::Phase;
-use crate::intercept::gl::state::compat::vertex_commands::Command;
+use crate::intercept::gl::state::compat::vertex_commands::VertexCommand;
 use crate::intercept::gl::state::compat::vertex_recorder::{Number, Sets, add_vertex};
+use crate::intercept::gl::state::driver::Driver;
 
 /// Records a command of the program. Returns false if the driver must get the command too.
 #[inline]
@@ -20,7 +20,7 @@ fn note<T: Number>(
     gl: &Gl,
     compat: &mut Compat,
     lists: &mut ListState,
-    command: Command,
+    command: VertexCommand,
     sets: Sets,
     prefix: &[u64],
     values: &[T],
@@ -62,8 +62,10 @@ unsafe fn array<T: Copy, const N: usize>(v: *const T) -> [T; N] {
 /// Records a property of a material; `name` determines the number of its values. Returns false if
 /// the driver must get the command too.
 fn note_material<T: Number + Default>(
-    ctx: &mut Context,
-    command: Command,
+    driver: &Driver,
+    compat: &mut Compat,
+    lists: &mut ListState,
+    command: VertexCommand,
     [face, name]: [u32; 2],
     value: impl Fn(usize) -> T,
 ) -> bool {
@@ -78,7 +80,7 @@ fn note_material<T: Number + Default>(
         return false;
     }
     let values: [T; 4] = std::array::from_fn(|i| if i < count { value(i) } else { T::default() });
-    note(ctx.driver.gl, &mut ctx.compat, &mut ctx.lists, command, Sets::Material, &[face.into(), name.into()], &values)
+    note(driver.gl, compat, lists, command, Sets::Material, &[face.into(), name.into()], &values)
 }
 
 macro_rules! attribute_commands {
@@ -87,23 +89,23 @@ macro_rules! attribute_commands {
         hooks! {
             between;
             $( $name $method($($p: $t),*) = |ctx, gl| {
-                if !note(ctx.driver.gl, &mut ctx.compat, &mut ctx.lists, Command::$array, Sets::$sets, &[$(u64::from($before)),*], &$values) {
+                if !note(ctx.driver.gl, &mut ctx.compat, &mut ctx.lists, VertexCommand::$array, Sets::$sets, &[$(u64::from($before)),*], &$values) {
                     gl.$method($($p),*);
                 }
             }; )*
             "glMaterialf" materialf(face: u32, name: u32, value: f32) = |ctx, gl| {
-                if !note_material(ctx, Command::materialfv, [face, name], |_| value) { gl.materialf(face, name, value) }
+                if !note_material(&ctx.driver, &mut ctx.compat, &mut ctx.lists, VertexCommand::materialfv, [face, name], |_| value) { gl.materialf(face, name, value) }
             };
             "glMaterialfv" materialfv(face: u32, name: u32, values: *const f32) = |ctx, gl| {
-                if !note_material(ctx, Command::materialfv, [face, name], |i| values.add(i).read_unaligned()) {
+                if !note_material(&ctx.driver, &mut ctx.compat, &mut ctx.lists, VertexCommand::materialfv, [face, name], |i| values.add(i).read_unaligned()) {
                     gl.materialfv(face, name, values);
                 }
             };
             "glMateriali" materiali(face: u32, name: u32, value: i32) = |ctx, gl| {
-                if !note_material(ctx, Command::materialiv, [face, name], |_| value) { gl.materiali(face, name, value) }
+                if !note_material(&ctx.driver, &mut ctx.compat, &mut ctx.lists, VertexCommand::materialiv, [face, name], |_| value) { gl.materiali(face, name, value) }
             };
             "glMaterialiv" materialiv(face: u32, name: u32, values: *const i32) = |ctx, gl| {
-                if !note_material(ctx, Command::materialiv, [face, name], |i| values.add(i).read_unaligned()) {
+                if !note_material(&ctx.driver, &mut ctx.compat, &mut ctx.lists, VertexCommand::materialiv, [face, name], |i| values.add(i).read_unaligned()) {
                     gl.materialiv(face, name, values);
                 }
             };

@@ -41,7 +41,8 @@ impl Default for ShareGroup {
     }
 }
 
-/// A context of the program. The names in parentheses are the folders that change a part.
+/// A context of the program. The names in parentheses are the folders that own a part. Other
+/// folders call the part's methods (`tests/architecture/parts.rs`).
 pub struct Context {
     /// True if a panic switched this context off. Every call goes straight to the driver.
     pub(in crate::intercept::gl) switched_off: bool,

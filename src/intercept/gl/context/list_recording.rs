@@ -3,7 +3,9 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::state::draw::bounds::Bounds;
+use crate::intercept::gl::state::driver::Driver;
 use crate::lock::Lock;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -59,7 +61,11 @@ impl PartialEq for Later {
 
 /// Runs a command of the program: now or, while a list is being compiled, each time that list runs.
 pub fn now_or_later(ctx: &mut Context, run: impl Fn(&mut Context) + Send + Sync + 'static) {
-    if ctx.compiling() { record(ctx, Command::Later(Later(Arc::new(run)))) } else { run(ctx) }
+    if ctx.compiling() {
+        record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::Later(Later(Arc::new(run))))
+    } else {
+        run(ctx)
+    }
 }
 
 /// Relation of a part of a list to the primitives of `glBegin` and `glEnd`.
@@ -122,9 +128,9 @@ pub(in crate::intercept::gl) const OWN_NAMES: u32 = 1024;
 pub(in crate::intercept::gl) const PROGRAM_NAMES: u32 = 8192;
 
 /// Returns a name for a list of Cupola. It is so high that programs do not use it by chance.
-pub fn own_name(ctx: &Context) -> u32 {
-    let gl = ctx.driver.gl;
-    let mut lists = ctx.share.lists.locked();
+pub fn own_name(share: &ShareGroup, driver: &Driver) -> u32 {
+    let gl = driver.gl;
+    let mut lists = share.lists.locked();
     if lists.own.is_empty() {
         // SAFETY: reserves names, and frees those that are not for Cupola.
         let first = unsafe {
@@ -201,38 +207,43 @@ pub struct Recording {
 /// Prepares for a draw in the list that is being compiled; `raster`: it draws at the raster
 /// position. Draws at the raster position and other draws go into separate lists of the driver, as
 /// Cupola issues them in different ways. Must not be called between `glBegin` and `glEnd`.
-pub fn will_draw(ctx: &mut Context, raster: bool) {
-    if ctx.lists.recording.as_ref().is_some_and(|recording| recording.draws && recording.raster != raster) {
-        next_part(ctx, None);
+pub fn will_draw(share: &ShareGroup, driver: &Driver, lists: &mut ListState, raster: bool) {
+    if lists.recording.as_ref().is_some_and(|recording| recording.draws && recording.raster != raster) {
+        next_part(share, driver, lists, None);
     }
-    if let Some(recording) = &mut ctx.lists.recording {
+    if let Some(recording) = &mut lists.recording {
         recording.draws = true;
         recording.raster = raster;
     }
 }
 
 /// Ends the current list of the driver, stores `command`, and begins another list.
-pub fn record(ctx: &mut Context, command: Command) {
-    next_part(ctx, Some(command));
+pub fn record(share: &ShareGroup, driver: &Driver, lists: &mut ListState, command: Command) {
+    next_part(share, driver, lists, Some(command));
 }
 
-pub(in crate::intercept::gl) fn next_part(ctx: &mut Context, command: Option<Command>) {
-    pause(ctx);
-    go_on(ctx, command);
+pub(in crate::intercept::gl) fn next_part(
+    share: &ShareGroup,
+    driver: &Driver,
+    lists: &mut ListState,
+    command: Option<Command>,
+) {
+    pause(driver, lists);
+    go_on(share, driver, lists, command);
 }
 
 /// Ends the current list of the driver, so that the driver compiles nothing until [`go_on`].
 /// Returns false if no list is being compiled.
-pub fn pause(ctx: &mut Context) -> bool {
-    let gl = ctx.driver.gl;
-    ctx.lists.recording.as_mut().map(|recording| recording.end_part(gl)).is_some()
+pub fn pause(driver: &Driver, lists: &mut ListState) -> bool {
+    let gl = driver.gl;
+    lists.recording.as_mut().map(|recording| recording.end_part(gl)).is_some()
 }
 
 /// Stores `command` and begins another list of the driver.
-pub fn go_on(ctx: &mut Context, command: Option<Command>) {
-    let gl = ctx.driver.gl;
-    let real = own_name(ctx);
-    let Some(recording) = &mut ctx.lists.recording else { return };
+pub fn go_on(share: &ShareGroup, driver: &Driver, lists: &mut ListState, command: Option<Command>) {
+    let gl = driver.gl;
+    let real = own_name(share, driver);
+    let Some(recording) = &mut lists.recording else { return };
     recording.items.extend(command.map(Item::Command));
     recording.real = real;
     // SAFETY: a list of Cupola; the program is compiling, and the list that was open has just

@@ -1,7 +1,7 @@
 //! Methods that the outputs of the rig ask for.
 
 use crate::error::Result;
-use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::state::projected_vertices::ProjectedVertices;
 use crate::intercept::process::{live, log};
 use crate::rig::{Divider, Method, Rig};
 use crate::runtime::session::{Extras, Session};
@@ -13,13 +13,13 @@ pub type Planner = fn(&Rig, (u32, u32), bool, u32, Extras) -> Result<Session>;
 
 /// Returns the function that plans the windows of a context for `rig`. Shaders can be patched for
 /// lenses only from the start of the program. The log says if outputs lose their method.
-pub fn planner(ctx: &Context, rig: &Rig) -> Planner {
+pub fn planner(projected: &ProjectedVertices, rig: &Rig) -> Planner {
     if !asked_for() && rig.outputs.iter().any(|output| output.method.projects_vertices()) {
         log::once(
             "vertices are projected after a new start: outputs that ask for it are made by method \"fragment\" instead",
         );
     }
-    if asked_for() && !ctx.projected.views_only() { Session::projecting } else { Session::new }
+    if asked_for() && !projected.views_only() { Session::projecting } else { Session::new }
 }
 
 /// True if `wanted` accepts the method of an output of the rig with which the program was started.

@@ -30,8 +30,8 @@ pub unsafe fn around(ctx: &mut Context, vertices: Vertices) -> Bounds {
 /// # Safety
 /// As for [`around`].
 unsafe fn find(ctx: &mut Context, vertices: Vertices) -> Option<Bounds> {
-    let (array, components) = position::array(ctx)?;
-    let layout = Layout::of(ctx, array, components)?;
+    let (array, components) = position::array(&ctx.driver, &ctx.app, &ctx.shaders)?;
+    let layout = Layout::of(&ctx.driver, &mut ctx.vertex_input, array, components)?;
     match vertices {
         Vertices::Range { first, count } => {
             let (start, count) = (usize::try_from(first).ok()?, usize::try_from(count).ok()?);
@@ -42,17 +42,18 @@ unsafe fn find(ctx: &mut Context, vertices: Vertices) -> Option<Bounds> {
                 // The range is read once, when the vertices become part of the display list.
                 ranges::in_buffer(ctx.driver.gl, &ctx.driver.profile, &layout, start..start + count)
             } else {
-                Some(ranges::around(ctx, layout, vertices, 0))
+                Some(ranges::around(&ctx.share, &ctx.driver, &mut ctx.vertex_input, layout, vertices, 0))
             }
         }
         Vertices::Elements { count, kind, indices, base } => {
             if restarts(&ctx.driver) {
                 return None;
             }
-            let buffer = vertex_arrays::elements(ctx);
+            let buffer = vertex_arrays::elements(&ctx.share, &ctx.driver, &mut ctx.vertex_input);
             if buffer != 0 {
                 let known = layout.buffer != 0 && !ctx.compiling();
-                return known.then(|| ranges::around(ctx, layout, vertices, buffer));
+                return known
+                    .then(|| ranges::around(&ctx.share, &ctx.driver, &mut ctx.vertex_input, layout, vertices, buffer));
             }
             index_width(kind).filter(|_| !indices.is_null() && base == 0)?;
             let numbers = 0..usize::try_from(count).ok()?;

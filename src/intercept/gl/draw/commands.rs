@@ -21,7 +21,7 @@ pub fn draw_command(
 ) {
     if ctx.compiling() {
         let bounds = if select::enabled() { bounds(ctx) } else { Bounds::UNKNOWN };
-        list_recording::will_draw(ctx, false);
+        list_recording::will_draw(&ctx.share, &ctx.driver, &mut ctx.lists, false);
         ctx.lists.note_bounds(&bounds);
         let gl = ctx.driver.gl;
         issue(ctx, gl);

@@ -10,6 +10,7 @@ use crate::intercept::gl::projected_vertices::{Attribute, Vertices, draw_divided
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::Changes;
 use crate::intercept::gl::state::draw::primitives::Shape;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::projected_vertices::fixed_function::Processor;
 use crate::intercept::scene::obstacle::Obstacle;
 
@@ -32,7 +33,15 @@ pub fn draw_read(
         changes,
         |_| bounds,
         |ctx, gl| match (ctx.projected.take_view(), vertices) {
-            (Some((division, rows)), Some(vertices)) => draw_divided(ctx, vertices, division, &rows),
+            (Some((division, reprojection)), Some(vertices)) => draw_divided(
+                &ctx.driver,
+                &ctx.draw,
+                &mut ctx.compat,
+                &mut ctx.projected,
+                vertices,
+                division,
+                &reprojection,
+            ),
             _ => whole(ctx, gl),
         },
     );
@@ -52,9 +61,9 @@ pub fn draw_arrays(
     if !ctx.compiling() {
         ctx.draw.note_shape(shape);
         let bounds = if select::enabled() { bounds(ctx) } else { Bounds::UNKNOWN };
-        let current = current(ctx, &vertices);
+        let current = current(&ctx.driver, &vertices);
         draw_read(ctx, Changes::Nothing, bounds, &vertices, issue);
-        put_back(ctx, &current);
+        put_back(&ctx.driver, &current);
         return;
     }
     let Ok(kept) = vertices else {
@@ -64,30 +73,30 @@ pub fn draw_arrays(
     let vertices = Ok(kept);
     list_recording::now_or_later(ctx, move |ctx| {
         ctx.draw.note_shape(shape);
-        let current = current(ctx, &vertices);
+        let current = current(&ctx.driver, &vertices);
         let whole = |_: &mut Context, gl: &Gl| draw_whole(gl, &vertices);
-        if reads_vertices(ctx, mode) {
+        if reads_vertices(&ctx.app, &ctx.drawable, &ctx.shaders, mode) {
             draw_read(ctx, Changes::Nothing, Bounds::UNKNOWN, &vertices, whole);
         } else {
             draw(ctx, Changes::Nothing, |_| Bounds::UNKNOWN, whole);
         }
-        put_back(ctx, &current);
+        put_back(&ctx.driver, &current);
     });
 }
 
 /// Returns the current values of the attributes that `vertices` have.
 pub(in crate::intercept::gl) fn current(
-    ctx: &Context,
+    driver: &Driver,
     vertices: &Result<Vertices, Obstacle>,
 ) -> Vec<(Attribute, [f32; 4])> {
     let attributes = vertices.iter().flat_map(|vertices| &vertices.attributes);
-    attributes.map(|attribute| (*attribute, attribute.current(ctx.driver.gl))).collect()
+    attributes.map(|attribute| (*attribute, attribute.current(driver.gl))).collect()
 }
 
 /// Restores the current values of attributes: a draw from arrays does not change them.
-pub(in crate::intercept::gl) fn put_back(ctx: &Context, current: &[(Attribute, [f32; 4])]) {
+pub(in crate::intercept::gl) fn put_back(driver: &Driver, current: &[(Attribute, [f32; 4])]) {
     for (attribute, value) in current {
         // SAFETY: the values that `current` found, in the same context.
-        unsafe { attribute.set(ctx.driver.gl, value) };
+        unsafe { attribute.set(driver.gl, value) };
     }
 }

@@ -21,7 +21,7 @@ use crate::intercept::gl::offscreen::inspected::{self, Seen};
 use crate::intercept::gl::offscreen::{coverage, draws, sampling};
 use crate::intercept::gl::per_view::classify::{classify, main_viewport, several_viewports};
 use crate::intercept::gl::per_view::culling::select;
-use crate::intercept::gl::per_view::issue::{Copies, Repeats, Target, plain_program};
+use crate::intercept::gl::per_view::issue::{Copies, CopyTarget, Repeats, plain_program};
 use crate::intercept::gl::per_view::panel::PanelBlend;
 use crate::intercept::gl::per_view::window_space::{own_window_space, program_window_space, view_window_space};
 use crate::intercept::gl::per_view::{self, background, wide_primitives};
@@ -48,15 +48,15 @@ pub fn draw(
     bounds: impl FnOnce(&mut Context) -> Bounds,
     mut issue: impl FnMut(&mut Context, &Gl),
 ) {
-    wide_primitives::look(ctx);
-    assembly::look(ctx);
+    wide_primitives::look(&ctx.driver, &mut ctx.draw, &ctx.shaders);
+    assembly::look(&ctx.share, &ctx.driver, &ctx.app, &mut ctx.shaders);
     fallback::look(ctx);
     if ctx.redirected() {
         draw_to_window(ctx, changes, bounds, &mut issue);
     } else if !draws::draw(ctx, changes, bounds, &mut issue) {
         once(ctx, &mut issue);
     }
-    projected_vertices::end_stand_in(ctx);
+    projected_vertices::end_stand_in(&ctx.driver, &mut ctx.shaders, &mut ctx.projected);
     ctx.shaders.end_draw();
 }
 
@@ -64,7 +64,7 @@ pub fn draw(
 fn once(ctx: &mut Context, issue: &mut dyn FnMut(&mut Context, &Gl)) {
     let gl = ctx.driver.gl;
     scaling::scale(ctx.driver.gl, &mut ctx.queries, QueryScaling::ONCE);
-    program_window_space(ctx);
+    program_window_space(&mut ctx.draw);
     plain_program(ctx);
     issue(ctx, gl);
 }
@@ -102,7 +102,7 @@ fn draw_to_window(
     if class != DrawClass::Behind {
         ctx.frame.note_viewport(ctx.app.viewport());
     }
-    let mut window = Window { session, primary, class, shown };
+    let mut window = WindowCopies { session, primary, class, shown };
     let views = window.session.views().len();
     let count = views + usize::from(window.primary.is_some());
     per_view::issue::issue(ctx, &Copies { changes, views, count, shown }, &mut window, issue);
@@ -135,9 +135,12 @@ fn perspective_or_flat(
             return Some(DrawClass::Screen);
         }
         ctx.frame.note_flat();
-        if measure.is_some() || several_viewports(ctx) || !background::is_behind(ctx) {
+        if measure.is_some()
+            || several_viewports(&ctx.app, &ctx.shaders)
+            || !background::is_behind(&ctx.app, &ctx.drawable, &mut ctx.frame, &ctx.compat)
+        {
             if inspection::is_recording() {
-                let differ = several_viewports(ctx).then_some("its viewports differ");
+                let differ = several_viewports(&ctx.app, &ctx.shaders).then_some("its viewports differ");
                 let small = (!main).then_some("its viewport is smaller than that of the scene");
                 inspect(ctx, DrawClass::Flat, differ.or(small));
             }
@@ -159,18 +162,20 @@ fn inspect(ctx: &mut Context, class: DrawClass, why: Option<&str>) {
 /// Returns true if a flat draw computes points of the scene from its pixels and samples no image of
 /// the scene.
 fn is_screen_pass(ctx: &Context) -> bool {
-    !several_viewports(ctx) && upload::holds_inverse(ctx) && sampling::sampled(ctx) == 0
+    !several_viewports(&ctx.app, &ctx.shaders)
+        && upload::holds_inverse(ctx)
+        && sampling::sampled(&ctx.driver, &ctx.shaders, &ctx.view_copies) == 0
 }
 
 /// Target of draws to the window: the tiles of the views, and the primary view if there is one.
-struct Window {
+struct WindowCopies {
     session: Arc<Session>,
     primary: Option<LowerLeftRect>,
     class: DrawClass,
     shown: Views,
 }
 
-impl Target for Window {
+impl CopyTarget for WindowCopies {
     fn prepare(&mut self, ctx: &mut Context, view: usize) -> Option<DrawClass> {
         let (tile, own_lens) = match self.primary {
             Some(tile) if view >= self.session.views().len() => (tile, true),
@@ -190,7 +195,11 @@ impl Target for Window {
         if self.session.turns().is_some() {
             return QueryScaling::ONCE;
         }
-        let samples = if view >= views { 0.0 } else { scaling::scene_samples(ctx, &self.session, false) };
+        let samples = if view >= views {
+            0.0
+        } else {
+            scaling::scene_samples(&ctx.app, &mut ctx.frame, &mut ctx.queries, &self.session, false)
+        };
         QueryScaling { samples, primitives }
     }
 
@@ -219,12 +228,12 @@ fn flat(ctx: &mut Context, changes: Changes, measure: Option<Measure>, mut issue
     want_panel(ctx);
     let Some(target) = ctx.drawable.target() else { return };
     let tiles = target.flat_tiles();
-    let repeats = Repeats::new(changes, ctx, 0);
+    let repeats = Repeats::new(changes, &ctx.driver, &ctx.app, 0);
     plain_program(ctx);
     let pictures = tiles.iter().flatten().count();
     for (number, (tile, panel)) in tiles.iter().flatten().enumerate() {
         own_window_space(ctx, *tile);
-        frag_coord::upload(ctx);
+        frag_coord::upload(&ctx.share, &ctx.driver, &ctx.draw, &ctx.shaders);
         let last = pictures == number + 1;
         let samples = if number == 0 { 1.0 } else { 0.0 };
         scaling::scale(ctx.driver.gl, &mut ctx.queries, QueryScaling { samples, primitives: 1.0 / pictures as f64 });

@@ -4,6 +4,7 @@ use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::errors::take_own_errors;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::context::read_pixels::read_back;
 use crate::intercept::gl::context::registry;
 use crate::intercept::gl::frame::capture;
@@ -12,6 +13,7 @@ use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::offscreen::images::Image;
 use crate::intercept::gl::state::offscreen::issued::Issued;
+use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use crate::intercept::inspection::last_frame::{self, LastFrame};
 use crate::intercept::process::settings;
 use crate::intercept::scene::common_statistics;
@@ -27,7 +29,11 @@ pub fn keep(ctx: &mut Context, settings: &settings::Settings) {
     }
     ctx.driver.take_errors();
     let statistics = settings.needs_statistics().then(|| statistics(ctx, settings));
-    let pictures = if last_frame::wants_outputs(settings) { output_pictures(ctx, settings) } else { Vec::new() };
+    let pictures = if last_frame::wants_outputs(settings) {
+        output_pictures(&ctx.driver, &ctx.drawable, settings)
+    } else {
+        Vec::new()
+    };
     let views = if last_frame::wants_views(settings) { view_pictures(&ctx.driver, &ctx.drawable) } else { Vec::new() };
     take_own_errors(&mut ctx.driver);
     let times = ctx.frame.measured_times();
@@ -37,9 +43,10 @@ pub fn keep(ctx: &mut Context, settings: &settings::Settings) {
 /// Returns how the program draws to images: in this context, and in the contexts that are current
 /// on no thread.
 pub fn off_screen(ctx: &Context) -> OffScreen {
-    let mut found = off_screen_report::off_screen(ctx, ctx.view_copies.images(), ctx.view_copies.framebuffers());
-    each_other(ctx, |other, images, _| {
-        let other = off_screen_report::off_screen(other, images, other.view_copies.framebuffers());
+    let mut found =
+        off_screen_report::off_screen(&ctx.drawable, ctx.view_copies.images(), ctx.view_copies.framebuffers());
+    each_other(&ctx.share, &ctx.view_copies, |other, images, _| {
+        let other = off_screen_report::off_screen(&other.drawable, images, other.view_copies.framebuffers());
         if found == OffScreen::Nothing || (found == OffScreen::Flat && other != OffScreen::Nothing) {
             found = other;
         }
@@ -50,10 +57,10 @@ pub fn off_screen(ctx: &Context) -> OffScreen {
 /// Calls `look` for each context that is current on no thread, with the images of its group and the
 /// draws to them. For this context's group these data are in `ctx`, for other groups in the share
 /// group.
-fn each_other(ctx: &Context, mut look: impl FnMut(&Context, &[Image], &Issued)) {
+fn each_other(share: &Arc<ShareGroup>, view_copies: &ViewCopies, mut look: impl FnMut(&Context, &[Image], &Issued)) {
     registry::each_idle(|other| {
-        if Arc::ptr_eq(&ctx.share, &other.share) {
-            look(other, ctx.view_copies.images(), other.view_copies.issued());
+        if Arc::ptr_eq(share, &other.share) {
+            look(other, view_copies.images(), other.view_copies.issued());
             return;
         }
         match &*other.share.off_screen.locked() {
@@ -78,7 +85,7 @@ fn add_counts(statistics: &mut Statistics, ctx: &Context, images: &[Image], draw
     statistics.shaders_linked += counts.linked;
     statistics.own_errors += ctx.driver.own_errors();
     statistics.duplicated_draws += draws.draws;
-    let (duplicated, single) = off_screen_report::status(ctx, images, ctx.view_copies.framebuffers());
+    let (duplicated, single) = off_screen_report::status(&ctx.drawable, images, ctx.view_copies.framebuffers());
     statistics.duplicated_framebuffers += duplicated;
     for (reason, framebuffers) in single {
         *statistics.single_framebuffers.entry(reason).or_default() += framebuffers;
@@ -125,23 +132,21 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
             .collect();
     }
     add_counts(&mut statistics, ctx, ctx.view_copies.images(), ctx.view_copies.issued());
-    each_other(ctx, |other, images, draws| add_counts(&mut statistics, other, images, draws));
+    each_other(&ctx.share, &ctx.view_copies, |other, images, draws| add_counts(&mut statistics, other, images, draws));
     statistics
 }
 
 /// Returns the pictures of the outputs of the frame that was just corrected.
-fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Picture> {
-    let gl = ctx.driver.gl;
-    let Some(target) = ctx.drawable.target() else {
-        let Some(window) = ctx.drawable.window() else { return Vec::new() };
+fn output_pictures(driver: &Driver, drawable: &Drawable, settings: &settings::Settings) -> Vec<Picture> {
+    let gl = driver.gl;
+    let Some(target) = drawable.target() else {
+        let Some(window) = drawable.window() else { return Vec::new() };
         return vec![read_back(gl, 0, "window", LowerLeftRect::of_size(window.size()))];
     };
     let outputs = target.session.rig().outputs.iter().zip(target.session.viewports()).enumerate();
     let here = outputs.filter(|(_, (output, _))| output.here);
     if settings.offscreen {
-        return here
-            .filter_map(|(i, (output, _))| capture::picture(&ctx.driver, &ctx.drawable, i, &output.name))
-            .collect();
+        return here.filter_map(|(i, (output, _))| capture::picture(driver, drawable, i, &output.name)).collect();
     }
     here.map(|(_, (output, rect))| read_back(gl, 0, &output.name, rect)).collect()
 }

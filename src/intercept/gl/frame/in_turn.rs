@@ -7,6 +7,7 @@ use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::process::log;
 use crate::runtime::Session;
 
@@ -28,20 +29,20 @@ pub fn end_frame(ctx: &mut Context) -> bool {
 /// Copies a view to the atlas, and after the last frame of a round the panel too.
 fn collect(ctx: &mut Context, view: usize, is_last: bool) {
     let Some(target) = ctx.drawable.take_target() else { return };
-    target.resolve(ctx, None);
+    target.resolve(&ctx.driver, &ctx.app, &ctx.drawable, None);
     let session = &target.session;
     let panel = session.panel().zip(session.atlas_panel()).filter(|_| is_last);
     let tiles = [session.atlas_tile(view).map(|tile| (session.tile(view).0, tile)), panel];
     ctx.set_scissor(None);
     for (from, to) in tiles.into_iter().flatten() {
-        copy(ctx, &target, from, to);
+        copy(&ctx.driver, &target, from, to);
     }
     ctx.drawable.put_target(target);
     ctx.restore_window_space();
 }
 
-fn copy(ctx: &Context, target: &DefaultFramebuffer, from: LowerLeftRect, to: LowerLeftRect) {
-    let gl = ctx.driver.gl;
+fn copy(driver: &Driver, target: &DefaultFramebuffer, from: LowerLeftRect, to: LowerLeftRect) {
+    let gl = driver.gl;
     let filter = if from.size() == to.size() { api::GL_NEAREST } else { api::GL_LINEAR };
     // SAFETY: copies between framebuffers of Cupola; the bindings are put back.
     unsafe {

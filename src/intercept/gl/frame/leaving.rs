@@ -17,7 +17,7 @@ pub fn leave(ctx: &mut Context) {
         if let (Some(settings), Some(window)) = (settings::settings(), ctx.drawable.window())
             && last_frame::is_last(settings, frame_number::next(window.handle()))
         {
-            inspected::end_frame(ctx);
+            inspected::end_frame(&mut ctx.driver, &ctx.drawable, &mut ctx.view_copies);
             frame_statistics::keep(ctx, settings);
         }
     }

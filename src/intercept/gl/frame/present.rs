@@ -7,8 +7,11 @@ use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::frame::{frame_number, frame_statistics, in_turn, publish};
 use crate::intercept::gl::framebuffer::target::attach::{follow_rig, follow_size};
 use crate::intercept::gl::offscreen::{inspected, view_copies};
+use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::drawable::window::Window;
+use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::frame::Frame;
 use crate::intercept::gl::state::frame::Times;
 use crate::intercept::gl::state::frame::device_times::DeviceTimes;
 use crate::intercept::gl::vertex_input::buffers;
@@ -64,7 +67,7 @@ fn before_swap() -> bool {
         let complete = frame(ctx);
         if ctx.drawable.target().is_some_and(|t| !t.config().double_buffered) {
             // SAFETY: changes no state. The swap of a window with one buffer is a flush.
-            in_window(ctx, |gl| unsafe { gl.flush() });
+            in_window(&ctx.driver, &ctx.app, &ctx.drawable, |gl| unsafe { gl.flush() });
         }
         complete
     };
@@ -88,10 +91,10 @@ pub fn show_front(ctx: &mut Context) {
     let double = ctx.drawable.target().is_some_and(|t| t.config().double_buffered);
     if double {
         // SAFETY: changes state of the window's own framebuffer, which the program never uses.
-        in_window(ctx, |gl| unsafe { gl.draw_buffer(api::GL_FRONT_AND_BACK) });
+        in_window(&ctx.driver, &ctx.app, &ctx.drawable, |gl| unsafe { gl.draw_buffer(api::GL_FRONT_AND_BACK) });
     }
     let complete = frame(ctx);
-    in_window(ctx, |gl| {
+    in_window(&ctx.driver, &ctx.app, &ctx.drawable, |gl| {
         // SAFETY: as above. Drivers show the front buffer only in a flush, and only while it is
         // bound.
         unsafe {
@@ -108,14 +111,14 @@ pub fn show_front(ctx: &mut Context) {
 }
 
 /// Runs `run` with the window's own framebuffer bound for drawing.
-fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
-    let Some(target) = ctx.drawable.target() else { return };
-    let bound = if ctx.app.draw_framebuffer() == 0 { target.framebuffer() } else { ctx.app.draw_framebuffer() };
+fn in_window(driver: &Driver, app: &AppState, drawable: &Drawable, run: impl FnOnce(&Gl)) {
+    let Some(target) = drawable.target() else { return };
+    let bound = if app.draw_framebuffer() == 0 { target.framebuffer() } else { app.draw_framebuffer() };
     // SAFETY: the binding is put back.
-    unsafe { ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0) };
-    run(ctx.driver.gl);
+    unsafe { driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0) };
+    run(driver.gl);
     // SAFETY: as above.
-    unsafe { ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound) };
+    unsafe { driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound) };
 }
 
 /// Corrects the views into the window. Allocates nothing.
@@ -126,7 +129,7 @@ pub(super) fn correct(ctx: &mut Context) {
 fn correct_now(ctx: &mut Context) {
     let Some(target) = ctx.drawable.take_target() else { return };
     if !target.is_collected() {
-        target.resolve(ctx, None);
+        target.resolve(&ctx.driver, &ctx.app, &ctx.drawable, None);
     }
     let cleared = target.views_cleared();
     let (texture, outputs) = (target.texture(), target.outputs());
@@ -179,10 +182,10 @@ fn frame(ctx: &mut Context) -> bool {
     if is_occluded(&ctx.drawable) && !(kept && last_frame::wants_outputs(settings)) && !published {
         ctx.frame.note_hidden();
     } else {
-        measure(ctx, |gl, _, device| device.drawn(gl));
+        measure(&ctx.driver, &mut ctx.frame, |gl, _, device| device.drawn(gl));
         let before = ctx.frame.is_timed().then(thread_time);
         correct(ctx);
-        measure(ctx, |gl, times, device| {
+        measure(&ctx.driver, &mut ctx.frame, |gl, times, device| {
             device.corrected(gl);
             times.correction.add(thread_time().saturating_sub(before.unwrap_or_default()));
         });
@@ -194,7 +197,7 @@ fn frame(ctx: &mut Context) -> bool {
         publish::hand_on(ctx, true);
     }
     if kept {
-        inspected::end_frame(ctx);
+        inspected::end_frame(&mut ctx.driver, &ctx.drawable, &mut ctx.view_copies);
         frame_statistics::keep(ctx, settings);
     }
     if last {
@@ -210,9 +213,9 @@ fn is_occluded(drawable: &Drawable) -> bool {
 }
 
 /// Measures times if the settings request them.
-fn measure(ctx: &mut Context, act: impl FnOnce(&Gl, &mut FrameTimes, &mut DeviceTimes)) {
-    if let Some(Times { shared, device }) = ctx.frame.times_mut() {
-        act(ctx.driver.gl, &mut shared.locked(), device);
+fn measure(driver: &Driver, frame: &mut Frame, act: impl FnOnce(&Gl, &mut FrameTimes, &mut DeviceTimes)) {
+    if let Some(Times { shared, device }) = frame.times_mut() {
+        act(driver.gl, &mut shared.locked(), device);
     }
 }
 
@@ -226,7 +229,7 @@ fn next_frame(ctx: &mut Context) {
         let device = DeviceTimes::new(ctx.driver.gl, &ctx.driver.profile);
         ctx.frame.begin_timing(device);
     }
-    measure(ctx, |gl, times, device| {
+    measure(&ctx.driver, &mut ctx.frame, |gl, times, device| {
         times.end_frame();
         device.begin(gl, times);
     });

@@ -38,15 +38,23 @@ pub(super) fn spread(ctx: &mut Context, index: usize) {
     let Some(session) = ctx.drawable.session() else { return };
     // A view with a curved picture cannot be filled.
     let fills = ctx.app.viewport() == LowerLeftRect::new(0, 0, width, height);
-    if !fills || session.rows(&lens).any(|rows| rows.curved) {
+    if !fills || session.rows(&lens).any(|reprojection| reprojection.curved) {
         return;
     }
     let (grid, format, framebuffer) = (copy.grid, image.format, framebuffer.view_copy);
     let mut tiles = std::mem::take(&mut ctx.view_copies.tiles);
     tiles.clear();
-    tiles.extend(session.rows(&lens).enumerate().map(|(view, rows)| (grid.tile(view), rows.directions(&lens))));
-    debug_assert_eq!(tiles.len(), views(ctx));
-    let what = Spread { framebuffer, picture: grid.tile(own_tile(ctx)), format, lens, tiles: &tiles };
+    tiles.extend(
+        session.rows(&lens).enumerate().map(|(view, reprojection)| (grid.tile(view), reprojection.directions(&lens))),
+    );
+    debug_assert_eq!(tiles.len(), views(&ctx.drawable));
+    let what = Spread {
+        framebuffer,
+        picture: grid.tile(own_tile(&ctx.drawable, &ctx.view_copies)),
+        format,
+        lens,
+        tiles: &tiles,
+    };
     if let Some(target) = ctx.drawable.target_mut()
         && let Err(error) = target.spread(ctx.driver.gl, &what, &ctx.driver.known_state)
     {

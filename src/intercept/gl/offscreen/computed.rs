@@ -11,7 +11,9 @@ use crate::intercept::gl::offscreen::view_copies::{
 use crate::intercept::gl::shader::camera_matrices::upload;
 use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::offscreen::images::{Image, Name, Set};
+use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use crate::intercept::gl::state::shader::programs::{BufferWrites, ComputeStage};
 use crate::runtime::Session;
 
@@ -52,24 +54,24 @@ fn dispatch_by_program(ctx: &mut Context, groups: Option<u32>, issue: &mut dyn F
     }
     let program = ctx.shaders.program().cloned();
     let stage = program.as_ref().and_then(|program| program.compute.as_ref());
-    let Some(stage) = stage.filter(|_| ctx.view_copies.any() && possible(ctx)) else { return issue(gl) };
+    let Some(stage) = stage.filter(|_| ctx.view_copies.any() && possible(&ctx.drawable)) else { return issue(gl) };
     let used = used(ctx, stage, groups == Some(1));
     ctx.view_copies.computes |= used.written != 0;
-    note(ctx, &used);
+    note(&mut ctx.view_copies, &used);
     let has_view_copy = |ctx: &Context, set: Set| {
         let images = ctx.view_copies.images.iter().enumerate().take(64);
         images.filter(|(i, _)| set >> i & 1 != 0).any(|(_, image)| image.view_copy.is_some())
     };
     if used.lost || !has_view_copy(ctx, used.written) {
         if used.numbers && used.read != 0 {
-            before_reading_images(ctx, used.read);
+            before_reading_images(&mut ctx.view_copies, used.read);
         }
-        supply(ctx, used.read, own_tile(ctx));
+        supply(ctx, used.read, own_tile(&ctx.drawable, &ctx.view_copies));
         return issue(gl);
     }
     leave(ctx);
-    let own = views(ctx);
-    for view in 0..copy_count(ctx) {
+    let own = views(&ctx.drawable);
+    for view in 0..copy_count(&ctx.drawable, &ctx.view_copies) {
         supply(ctx, used.read | used.written, view);
         match view < own {
             true => upload::load_view(ctx, view, DrawClass::Flat),
@@ -97,13 +99,18 @@ fn barrier(gl: &Gl) {
 /// Determines the images that a dispatch uses. Written images that were not followed are followed
 /// from now on, if the dispatch makes them from followed ones.
 fn used(ctx: &mut Context, stage: &ComputeStage, single: bool) -> Used {
-    let mut used = Used { read: sampling::sampled(ctx), written: 0, numbers: false, lost: stage.loses_cameras };
+    let mut used = Used {
+        read: sampling::sampled(&ctx.driver, &ctx.shaders, &ctx.view_copies),
+        written: 0,
+        numbers: false,
+        lost: stage.loses_cameras,
+    };
     let gl = ctx.driver.gl;
     let program = ctx.shaders.program().map_or(0, |program| program.name);
     let mut unknown = false;
     for location in &stage.images {
         let Some(bound) = bound_image(gl, program, *location) else { continue };
-        match position(ctx, &bound) {
+        match position(&ctx.view_copies, &bound) {
             Some(index) => used.add(ctx, &bound, index),
             None => unknown |= bound.written,
         }
@@ -111,10 +118,10 @@ fn used(ctx: &mut Context, stage: &ComputeStage, single: bool) -> Used {
     if unknown && used.read != 0 {
         for location in &stage.images {
             let Some(bound) = bound_image(gl, program, *location).filter(|bound| bound.written) else { continue };
-            if position(ctx, &bound).is_some() {
+            if position(&ctx.view_copies, &bound).is_some() {
                 continue;
             }
-            match examine(ctx, &bound) {
+            match examine(&mut ctx.driver, &mut ctx.view_copies, &bound) {
                 Some(index) => used.add(ctx, &bound, index),
                 None => used.lost = true,
             }
@@ -135,7 +142,7 @@ fn used(ctx: &mut Context, stage: &ComputeStage, single: bool) -> Used {
 
 impl Used {
     /// Adds a bound image, which is at `index` in the list.
-    fn add(&mut self, ctx: &Context, bound: &Bound, index: usize) {
+    fn add(&mut self, ctx: &Context, bound: &BoundImage, index: usize) {
         let [width, height] = ctx.view_copies.images[index].size;
         let bit = if index < 64 { 1 << index } else { 0 };
         if bound.read {
@@ -151,7 +158,7 @@ impl Used {
 }
 
 /// Texture that is bound as an image.
-struct Bound {
+struct BoundImage {
     texture: u32,
     level: i32,
     read: bool,
@@ -159,7 +166,7 @@ struct Bound {
 }
 
 /// Returns the texture that is bound for the program's image at this location.
-fn bound_image(gl: &Gl, program: u32, location: i32) -> Option<Bound> {
+fn bound_image(gl: &Gl, program: u32, location: i32) -> Option<BoundImage> {
     let (mut unit, [mut texture, mut level, mut access]) = (0, [0; 3]);
     // SAFETY: each writes one integer.
     unsafe {
@@ -169,40 +176,40 @@ fn bound_image(gl: &Gl, program: u32, location: i32) -> Option<Bound> {
         gl.get_integeri_v(api::GL_IMAGE_BINDING_ACCESS, unit as u32, &mut access);
     }
     let (read, written) = (access as u32 != api::GL_WRITE_ONLY, access as u32 != api::GL_READ_ONLY);
-    (texture != 0).then_some(Bound { texture: texture as u32, level, read, written })
+    (texture != 0).then_some(BoundImage { texture: texture as u32, level, read, written })
 }
 
 /// Returns the place of a bound image in the list.
-fn position(ctx: &Context, bound: &Bound) -> Option<usize> {
+fn position(view_copies: &ViewCopies, bound: &BoundImage) -> Option<usize> {
     let is_it = |image: &Image| matches!(image.name, Name::Texture { name, level, .. } if (name, level) == (bound.texture, bound.level));
-    ctx.view_copies.images.iter().position(is_it)
+    view_copies.images.iter().position(is_it)
 }
 
 /// Adds a bound image to the list, if it can be followed.
-fn examine(ctx: &mut Context, bound: &Bound) -> Option<usize> {
+fn examine(driver: &mut Driver, view_copies: &mut ViewCopies, bound: &BoundImage) -> Option<usize> {
     let key = (bound.texture, bound.level);
-    if ctx.view_copies.not_followed.contains(&key) {
+    if view_copies.not_followed.contains(&key) {
         return None;
     }
-    ctx.driver.take_errors();
-    let image = Image::examine_texture(ctx.driver.gl, bound.texture, bound.level);
-    drop_errors(ctx.driver.gl);
+    driver.take_errors();
+    let image = Image::examine_texture(driver.gl, bound.texture, bound.level);
+    drop_errors(driver.gl);
     let Some(image) = image else {
-        ctx.view_copies.not_followed.push(key);
+        view_copies.not_followed.push(key);
         return None;
     };
-    ctx.view_copies.images.push(image);
-    Some(ctx.view_copies.images.len() - 1)
+    view_copies.images.push(image);
+    Some(view_copies.images.len() - 1)
 }
 
 /// Notes which images the dispatch makes from which others.
-fn note(ctx: &mut Context, used: &Used) {
-    let images = &mut ctx.view_copies.images;
+fn note(view_copies: &mut ViewCopies, used: &Used) {
+    let images = &mut view_copies.images;
     let names: [Option<Name>; 64] = std::array::from_fn(|i| images.get(i).map(|image| image.name));
     for (i, image) in images.iter_mut().enumerate().take(64) {
         if used.lost && (used.read | used.written) >> i & 1 != 0 && !image.lost {
             image.lost = true;
-            ctx.view_copies.learnt = true;
+            view_copies.learnt = true;
         }
         if used.lost || used.written >> i & 1 == 0 {
             continue;
@@ -211,7 +218,7 @@ fn note(ctx: &mut Context, used: &Used) {
         for source in sources.filter_map(|(_, name)| *name) {
             if !image.reads.contains(&source) {
                 image.reads.push(source);
-                ctx.view_copies.learnt = true;
+                view_copies.learnt = true;
             }
         }
     }

@@ -12,20 +12,23 @@ use crate::intercept::gl::offscreen::{coverage, in_turn, sampling};
 use crate::intercept::gl::per_view::{panel, window_space};
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
+use crate::intercept::gl::state::drawable::Drawable;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::offscreen::displayed::Shows;
 use crate::intercept::gl::state::offscreen::images::Set;
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
+use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use std::cell::Cell;
 
 /// Determines what a flat draw to the window shows. `main`: the draw has the main viewport.
 pub fn look(ctx: &mut Context, main: bool) -> Shows {
-    if in_turn::is_on(ctx) {
+    if in_turn::is_on(&ctx.drawable) {
         return in_turn::look_at_window(ctx, main);
     }
-    if !ctx.view_copies.any() || !possible(ctx) {
+    if !ctx.view_copies.any() || !possible(&ctx.drawable) {
         return Shows::Nothing;
     }
-    let sampled = sampling::sampled(ctx);
+    let sampled = sampling::sampled(&ctx.driver, &ctx.shaders, &ctx.view_copies);
     if sampled == 0 {
         return Shows::Nothing;
     }
@@ -43,7 +46,7 @@ pub fn look(ctx: &mut Context, main: bool) -> Shows {
         }
         Ok(false) => {
             // A small picture in the window shows the view of the program's own lens.
-            supply(ctx, sampled, own_tile(ctx));
+            supply(ctx, sampled, own_tile(&ctx.drawable, &ctx.view_copies));
             Shows::Nothing
         }
     }
@@ -54,15 +57,15 @@ pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn F
     ctx.frame.note_scene();
     // The draw covers all earlier flat drawing.
     panel::clear_panel(ctx);
-    if in_turn::is_on(ctx) {
+    if in_turn::is_on(&ctx.drawable) {
         in_turn::show(ctx, changes, issue);
         return;
     }
-    if make_canvases(ctx) {
+    if make_canvases(&ctx.driver, &ctx.drawable, &mut ctx.view_copies) {
         show_by_canvas(ctx, changes, sampled, issue);
         return;
     }
-    each_view(ctx, changes, views(ctx), Views::ALL, issue, |ctx, view| {
+    each_view(ctx, changes, views(&ctx.drawable), Views::ALL, issue, |ctx, view| {
         supply(ctx, sampled, view);
         if let Some(target) = ctx.drawable.target_mut() {
             let (tile, _) = target.session.tile(view);
@@ -75,16 +78,16 @@ pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn F
 
 /// Makes the canvases at the first call. Returns false if there can be none: OpenGL ES cannot copy
 /// a picture with one sample to a window with several.
-fn make_canvases(ctx: &mut Context) -> bool {
-    let Some(target) = ctx.drawable.target() else { return false };
-    if ctx.driver.profile.es && target.config().samples > 0 {
+fn make_canvases(driver: &Driver, drawable: &Drawable, view_copies: &mut ViewCopies) -> bool {
+    let Some(target) = drawable.target() else { return false };
+    if driver.profile.es && target.config().samples > 0 {
         return false;
     }
     let size = [target.size().0 as i32, target.size().1 as i32];
-    let (count, format) = (views(ctx), canvas_format(ctx));
-    while ctx.view_copies.displayed.canvases.len() < count {
-        let Some(canvas) = SingleSampleImage::new(ctx.driver.gl, size, format) else { return false };
-        ctx.view_copies.displayed.canvases.push(canvas);
+    let (count, format) = (views(drawable), canvas_format(driver, drawable));
+    while view_copies.displayed.canvases.len() < count {
+        let Some(canvas) = SingleSampleImage::new(driver.gl, size, format) else { return false };
+        view_copies.displayed.canvases.push(canvas);
     }
     true
 }
@@ -92,9 +95,9 @@ fn make_canvases(ctx: &mut Context) -> bool {
 /// Returns the format of a canvas. The content of a canvas is scaled afterwards, so it has more
 /// bits than the window to avoid rounding twice. OpenGL ES has no such format, and sRGB has only 8
 /// bits.
-fn canvas_format(ctx: &Context) -> u32 {
-    match window_format(&ctx.drawable) {
-        api::GL_RGBA8 if !ctx.driver.profile.es => api::GL_RGBA16,
+fn canvas_format(driver: &Driver, drawable: &Drawable) -> u32 {
+    match window_format(drawable) {
+        api::GL_RGBA8 if !driver.profile.es => api::GL_RGBA16,
         format => format,
     }
 }
@@ -114,7 +117,7 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
         };
         let (canvas, tile) = (canvas.framebuffer(), target.session.tile(view).0);
         let tile = End { corners: tile.corners(), samples, format };
-        let picture = End { corners: whole.corners(), samples: 0, format: canvas_format(ctx) };
+        let picture = End { corners: whole.corners(), samples: 0, format: canvas_format(&ctx.driver, &ctx.drawable) };
         let (from, to) =
             if to_view { ((canvas, picture), (window, tile)) } else { ((window, tile), (canvas, picture)) };
         // SAFETY: framebuffers of Cupola; the read binding is put back.
@@ -131,7 +134,7 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
         issue(ctx, gl);
         copy(ctx, view_now.get(), true);
     };
-    each_view(ctx, changes, views(ctx), Views::ALL, &mut by_canvas, |ctx, view| {
+    each_view(ctx, changes, views(&ctx.drawable), Views::ALL, &mut by_canvas, |ctx, view| {
         view_now.set(view);
         supply(ctx, sampled, view);
         if !current {
@@ -146,7 +149,7 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
             unsafe { ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, canvas.framebuffer()) };
         }
         window_space::own_window_space(ctx, whole);
-        window_space::program_window_space(ctx);
+        window_space::program_window_space(&mut ctx.draw);
         DrawClass::Flat
     });
     // SAFETY: the stand-in framebuffer of the program's window.

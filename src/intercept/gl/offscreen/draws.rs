@@ -13,13 +13,16 @@ use crate::intercept::gl::per_view::classify::{classify_by_projection, several_v
 use crate::intercept::gl::per_view::culling::select;
 use crate::intercept::gl::per_view::window_space::{own_window_space, program_window_space};
 use crate::intercept::gl::shader::camera_matrices::upload;
+use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
+use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::frame::background::PanelPart;
 use crate::intercept::gl::state::offscreen::coverage::Measure;
 use crate::intercept::gl::state::offscreen::images::{Name, Set};
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
+use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::scene::to_window::ToWindow;
 use crate::intercept::scene::viewport;
 use crate::rig::Duplicate;
@@ -34,10 +37,14 @@ pub fn draw(
     bounds: impl FnOnce(&mut Context) -> Bounds,
     issue: &mut dyn FnMut(&mut Context, &Gl),
 ) -> bool {
-    if in_turn::is_on(ctx) {
+    if in_turn::is_on(&ctx.drawable) {
         return in_turn::draw(ctx, changes, issue);
     }
-    if ctx.app.draw_framebuffer() == 0 || ctx.app.picking() || ctx.app.discard() || ctx.app.feedback() || !possible(ctx)
+    if ctx.app.draw_framebuffer() == 0
+        || ctx.app.picking()
+        || ctx.app.discard()
+        || ctx.app.feedback()
+        || !possible(&ctx.drawable)
     {
         leave(ctx);
         let why = Some("draws here are issued once (picking, discard, feedback, or no view with another lens)");
@@ -47,13 +54,13 @@ pub fn draw(
     let index = look(ctx);
     let attached = ctx.view_copies.attached(index);
     let Classified { class, sampled, in_framebuffer } = classified(ctx, attached);
-    note(ctx, index, class, sampled);
+    note(&ctx.app, &ctx.drawable, &mut ctx.view_copies, index, class, sampled);
     inspected::note(ctx, &Seen { class, sampled, why: None });
     if !enter(ctx, index) {
-        supply(ctx, sampled, own_tile(ctx));
+        supply(ctx, sampled, own_tile(&ctx.drawable, &ctx.view_copies));
         return false;
     }
-    let part = panel_part(ctx, index);
+    let part = panel_part(&ctx.app, &ctx.shaders, &ctx.view_copies, index);
     let framebuffer = &mut ctx.view_copies.framebuffers[index];
     framebuffer.has_scene |= part.is_none() && matches!(class, DrawClass::Scene(_) | DrawClass::FixedScene);
     // An example is a display of the axes in a corner, after the scene was drawn.
@@ -63,12 +70,14 @@ pub fn draw(
         true => Views::ALL,
         false => select::views_off_screen(ctx, class, bounds, changes),
     };
-    let count = views(ctx);
+    let count = views(&ctx.drawable);
     ctx.view_copies.issued.count(shown, count);
     let placed = match (class, corner) {
-        (_, Some(part)) if background::prepare(ctx, part) => Placed::of(DrawClass::Behind),
+        (_, Some(part)) if background::prepare(&ctx.drawable, &mut ctx.frame, &ctx.compat, part) => {
+            FlatPlacement::of(DrawClass::Behind)
+        }
         (DrawClass::Flat, _) if sampled == 0 => place(ctx, index),
-        _ => Placed::of(class),
+        _ => FlatPlacement::of(class),
     };
     let class = placed.class;
     let measure = Cell::new(placed.measure);
@@ -108,7 +117,11 @@ fn classified(ctx: &mut Context, attached: Set) -> Classified {
     let program = ctx.shaders.program();
     let in_framebuffer = program.is_some_and(|program| program.reads_frag_coord);
     let by_frag_coord = in_framebuffer || program.is_some_and(|program| program.frag_coord.is_some());
-    let sampled = if class == DrawClass::Flat || by_frag_coord { sampling::sampled(ctx) } else { 0 };
+    let sampled = if class == DrawClass::Flat || by_frag_coord {
+        sampling::sampled(&ctx.driver, &ctx.shaders, &ctx.view_copies)
+    } else {
+        0
+    };
     let sampled = sampled & !attached;
     let screen = class == DrawClass::Flat && sampled == 0 && upload::holds_inverse(ctx);
     Classified { class: if screen { DrawClass::Screen } else { class }, sampled, in_framebuffer }
@@ -116,12 +129,12 @@ fn classified(ctx: &mut Context, attached: Set) -> Classified {
 
 /// Returns the part of the panel that corresponds to the viewport, if this is not the main viewport
 /// of its framebuffer.
-fn panel_part(ctx: &Context, index: usize) -> Option<PanelPart> {
-    let framebuffer = ctx.view_copies.framebuffers.get(index)?;
-    let [width, height] = ctx.view_copies.image(framebuffer.images().next()?)?.size;
-    let [across, up] = ctx.app.viewport().size().map(f64::from);
+fn panel_part(app: &AppState, shaders: &Shaders, view_copies: &ViewCopies, index: usize) -> Option<PanelPart> {
+    let framebuffer = view_copies.framebuffers.get(index)?;
+    let [width, height] = view_copies.image(framebuffer.images().next()?)?.size;
+    let [across, up] = app.viewport().size().map(f64::from);
     let is_main = viewport::is_main(across, up, f64::from(width) * f64::from(height));
-    (!is_main && !several_viewports(ctx)).then(|| PanelPart::of(ctx.app.viewport(), [width, height]))
+    (!is_main && !several_viewports(app, shaders)).then(|| PanelPart::of(app.viewport(), [width, height]))
 }
 
 /// Draws to the tile of each view in framebuffer `index`. Each view samples its own version of the
@@ -138,7 +151,7 @@ fn draw_in_tiles(
     let Some(grid) = first.and_then(|name| Some(ctx.view_copies.image(name)?.view_copy.as_ref()?.grid)) else {
         return false;
     };
-    let (count, own) = (copy_count(ctx), views(ctx));
+    let (count, own) = (copy_count(&ctx.drawable, &ctx.view_copies), views(&ctx.drawable));
     each_view(ctx, changes, count, shown, issue, |ctx, view| {
         supply(ctx, sampled, view);
         own_window_space(ctx, grid.tile(view));
@@ -156,7 +169,7 @@ fn draw_in_tiles(
 }
 
 /// Class of a flat draw in the views, and its coverage.
-struct Placed {
+struct FlatPlacement {
     class: DrawClass,
     /// Measurement of the coverage, if it is needed.
     measure: Option<Measure>,
@@ -164,7 +177,7 @@ struct Placed {
     fills: bool,
 }
 
-impl Placed {
+impl FlatPlacement {
     fn of(class: DrawClass) -> Self {
         Self { class, measure: None, fills: false }
     }
@@ -172,18 +185,20 @@ impl Placed {
 
 /// Returns the class of a flat draw that samples no image of the scene. A draw that fills the
 /// picture fills each view; a text goes to the position of the panel.
-fn place(ctx: &mut Context, index: usize) -> Placed {
+fn place(ctx: &mut Context, index: usize) -> FlatPlacement {
     let image = ctx.view_copies.framebuffers[index].images().next().and_then(|name| ctx.view_copies.image(name));
     let samples = image.map_or(0, |image| image.samples);
     if ctx.app.scissor_test() && !ctx.app.scissor().contains(ctx.app.viewport()) {
-        return Placed::of(DrawClass::Flat);
+        return FlatPlacement::of(DrawClass::Flat);
     }
     let (class, measure, fills) = match coverage::fills_viewport(ctx, samples) {
         Err(measure) => (DrawClass::Flat, Some(measure), false),
-        Ok(false) if background::prepare(ctx, PanelPart::default()) => (DrawClass::Behind, None, false),
+        Ok(false) if background::prepare(&ctx.drawable, &mut ctx.frame, &ctx.compat, PanelPart::default()) => {
+            (DrawClass::Behind, None, false)
+        }
         Ok(fills) => (DrawClass::Flat, None, fills),
     };
-    Placed { class, measure, fills }
+    FlatPlacement { class, measure, fills }
 }
 
 /// Makes sure that the sampled images have the last view's content afterwards, whether the draw
@@ -217,24 +232,31 @@ fn draw_through(
             }
         });
     };
-    let count = copy_count(ctx);
+    let count = copy_count(&ctx.drawable, &ctx.view_copies);
     each_view(ctx, changes, count, shown, &mut through, |ctx, view| {
         view_now.set(view);
         supply(ctx, sampled | attached, view);
         ctx.restore_window_space();
-        program_window_space(ctx);
+        program_window_space(&mut ctx.draw);
         class
     });
     supply_last(ctx, sampled | attached, count, shown);
 }
 
 /// Notes what a draw reveals about the images of the framebuffer at `index`.
-fn note(ctx: &mut Context, index: usize, class: DrawClass, sampled: Set) {
-    let Some(window) = ctx.session().map(Session::window) else { return };
-    let [width, height] = ctx.app.viewport().size();
+fn note(
+    app: &AppState,
+    drawable: &Drawable,
+    view_copies: &mut ViewCopies,
+    index: usize,
+    class: DrawClass,
+    sampled: Set,
+) {
+    let Some(window) = drawable.session().map(Session::window) else { return };
+    let [width, height] = app.viewport().size();
     let alike =
         duplicate_mode() == Duplicate::Always || viewport::has_shape_of_window(width.into(), height.into(), window);
-    let ViewCopies { framebuffers, images, learnt, .. } = &mut ctx.view_copies;
+    let ViewCopies { framebuffers, images, learnt, .. } = view_copies;
     if class == DrawClass::Flat && sampled == 0 {
         return;
     }

@@ -1,7 +1,7 @@
 //! Statistics of the program's framebuffers.
 
-use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::view_copies::{duplicate_mode, possible};
+use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::offscreen::framebuffers::Framebuffer;
 use crate::intercept::gl::state::offscreen::images::Image;
 use crate::intercept::scene::flat_program::OffScreen;
@@ -11,11 +11,11 @@ use std::collections::BTreeMap;
 
 /// Returns the number of `framebuffers` that are drawn once per view, and the numbers of the others
 /// for each reason. `images`: the images of the context's group.
-pub fn status(ctx: &Context, images: &[Image], framebuffers: &[Framebuffer]) -> (u64, BTreeMap<String, u64>) {
+pub fn status(drawable: &Drawable, images: &[Image], framebuffers: &[Framebuffer]) -> (u64, BTreeMap<String, u64>) {
     let mut single: BTreeMap<String, u64> = BTreeMap::new();
     let mut duplicated = 0;
     for framebuffer in framebuffers {
-        match obstacle(ctx, images, framebuffer) {
+        match obstacle(drawable, images, framebuffer) {
             None => duplicated += 1,
             Some(obstacle) => {
                 if let Some(reason) = obstacle.reason() {
@@ -28,23 +28,23 @@ pub fn status(ctx: &Context, images: &[Image], framebuffers: &[Framebuffer]) -> 
 }
 
 /// Returns how the program draws to `framebuffers`.
-pub fn off_screen(ctx: &Context, images: &[Image], framebuffers: &[Framebuffer]) -> OffScreen {
+pub fn off_screen(drawable: &Drawable, images: &[Image], framebuffers: &[Framebuffer]) -> OffScreen {
     let holds_scene = |framebuffer: &&Framebuffer| any_colour(images, framebuffer, |image| image.scene);
     match framebuffers.iter().find(holds_scene) {
-        Some(framebuffer) => OffScreen::Scene(reason(ctx, images, framebuffer)),
+        Some(framebuffer) => OffScreen::Scene(reason(drawable, images, framebuffer)),
         None if framebuffers.is_empty() => OffScreen::Nothing,
         None => OffScreen::Flat,
     }
 }
 
 /// Returns the reason why a framebuffer is drawn once only; `None` if it is drawn once per view.
-pub fn reason(ctx: &Context, images: &[Image], framebuffer: &Framebuffer) -> Option<String> {
-    let obstacle = obstacle(ctx, images, framebuffer)?;
+pub fn reason(drawable: &Drawable, images: &[Image], framebuffer: &Framebuffer) -> Option<String> {
+    let obstacle = obstacle(drawable, images, framebuffer)?;
     Some(obstacle.reason().unwrap_or("everything is shown flat").to_owned())
 }
 
 /// Returns the reason why a framebuffer is drawn once only; `None` if it is drawn once per view.
-fn obstacle(ctx: &Context, images: &[Image], framebuffer: &Framebuffer) -> Option<Obstacle> {
+fn obstacle(drawable: &Drawable, images: &[Image], framebuffer: &Framebuffer) -> Option<Obstacle> {
     if framebuffer.has_view_copies(images) {
         return None;
     }
@@ -54,7 +54,7 @@ fn obstacle(ctx: &Context, images: &[Image], framebuffer: &Framebuffer) -> Optio
     }
     let reason = if duplicate_mode() == Duplicate::Never {
         "duplicate is \"never\""
-    } else if !possible(ctx) {
+    } else if !possible(drawable) {
         "the rig shows the program's own picture"
     } else if framebuffer.colours().next().is_none() {
         "it has no colours, as a shadow map"

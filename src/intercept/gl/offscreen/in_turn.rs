@@ -12,11 +12,12 @@ use crate::intercept::gl::offscreen::inspected::{self, Seen};
 use crate::intercept::gl::offscreen::view_copies::look;
 use crate::intercept::gl::offscreen::{coverage, sampling};
 use crate::intercept::gl::per_view::classify::classify_by_projection;
-use crate::intercept::gl::per_view::issue::{Copies, Target, issue};
+use crate::intercept::gl::per_view::issue::{Copies, CopyTarget, issue};
 use crate::intercept::gl::per_view::window_space::{own_window_space, program_window_space};
 use crate::intercept::gl::shader::camera_matrices::upload;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
+use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::offscreen::displayed::Shows;
 use crate::intercept::scene::query_scaling::QueryScaling;
@@ -53,7 +54,7 @@ pub fn look_at_window(ctx: &mut Context, main: bool) -> Shows {
     if main && upload::holds_inverse(ctx) {
         return Shows::Pictures(0);
     }
-    let sampled = if main { sampling::sampled(ctx) } else { 0 };
+    let sampled = if main { sampling::sampled(&ctx.driver, &ctx.shaders, &ctx.view_copies) } else { 0 };
     if !main || (sampled == 0 && !ctx.frame.scene_off_screen()) {
         return Shows::Nothing;
     }
@@ -81,11 +82,11 @@ struct OwnImages {
     window: Option<LowerLeftRect>,
 }
 
-impl Target for OwnImages {
+impl CopyTarget for OwnImages {
     fn prepare(&mut self, ctx: &mut Context, _view: usize) -> Option<DrawClass> {
         match self.window {
             Some(tile) => own_window_space(ctx, tile),
-            None => program_window_space(ctx),
+            None => program_window_space(&mut ctx.draw),
         }
         Some(self.class)
     }
@@ -102,6 +103,6 @@ impl Target for OwnImages {
 }
 
 /// True if the views are drawn in turn.
-pub fn is_on(ctx: &Context) -> bool {
-    ctx.session().and_then(Session::turns).is_some()
+pub fn is_on(drawable: &Drawable) -> bool {
+    drawable.session().and_then(Session::turns).is_some()
 }

@@ -6,10 +6,16 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::read_pixels::read_back;
 use crate::intercept::gl::offscreen::framebuffer_statistics;
 use crate::intercept::gl::offscreen::view_copies::views;
+use crate::intercept::gl::state::app::AppState;
+use crate::intercept::gl::state::compat::Compat;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
+use crate::intercept::gl::state::drawable::Drawable;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::offscreen::framebuffers::Framebuffer;
 use crate::intercept::gl::state::offscreen::images::{Image, Name, Set};
 use crate::intercept::gl::state::offscreen::view_copies::InspectedPass;
+use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
+use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::camera_matrices::MatrixStage;
 use crate::intercept::gl::state::shader::programs::Program;
 use crate::intercept::gl::state::shader::uniforms::{Matrix, MatrixLocation};
@@ -32,32 +38,33 @@ pub fn note(ctx: &mut Context, seen: &Seen<'_>) {
     if !inspection::is_recording() {
         return;
     }
-    let target = target(ctx);
+    let target = target(&ctx.app, &ctx.drawable, &ctx.view_copies);
     if ctx.view_copies.inspected.as_ref().is_some_and(|pass| pass.target != target) {
         // The drawing to the previous target is complete.
-        note_last_picture(ctx);
+        note_last_picture(&mut ctx.driver, &ctx.drawable, &mut ctx.view_copies);
     }
     let draw = DrawNote {
         class: class_name(seen),
-        why: why(ctx, seen),
+        why: why(&ctx.app, &ctx.shaders, &ctx.view_copies, seen),
         lens: match seen.class {
             DrawClass::Scene(index) => ctx.frame.cameras().get(index).map(|camera| camera.intrinsics),
             DrawClass::FixedScene => ctx.frame.lens(),
             _ => None,
         },
-        shaders: shaders(ctx),
-        state: state(ctx),
-        matrices: matrices(ctx),
+        shaders: shaders(&ctx.shaders),
+        state: state(&ctx.driver, &ctx.app),
+        matrices: matrices(&ctx.driver, &ctx.shaders, &ctx.compat),
     };
-    let number = inspection::note_draw(ctx.driver.id, &target, || how(ctx), draw, 1);
+    let number =
+        inspection::note_draw(ctx.driver.id, &target, || how(&ctx.app, &ctx.drawable, &ctx.view_copies), draw, 1);
     let framebuffer = ctx.app.draw_framebuffer();
     ctx.view_copies.inspected = number.map(|number| InspectedPass { number, framebuffer, target });
 }
 
 /// Notes the picture of the last pass when the frame is complete.
-pub fn end_frame(ctx: &mut Context) {
+pub fn end_frame(driver: &mut Driver, drawable: &Drawable, view_copies: &mut ViewCopies) {
     if inspection::is_recording() {
-        note_last_picture(ctx);
+        note_last_picture(driver, drawable, view_copies);
     }
 }
 
@@ -71,22 +78,22 @@ fn class_name(seen: &Seen<'_>) -> &'static str {
     }
 }
 
-fn why(ctx: &Context, seen: &Seen<'_>) -> String {
+fn why(app: &AppState, shaders: &Shaders, view_copies: &ViewCopies, seen: &Seen<'_>) -> String {
     let mut why = match (seen.why, seen.class) {
         (Some(why), _) => why.to_owned(),
         (None, DrawClass::FixedScene) => "fixed-function projection with a perspective".to_owned(),
         (None, DrawClass::Scene(_)) => "a matrix with a perspective flows into its positions".to_owned(),
         (None, DrawClass::Screen) => "a shader has the inverse of a camera matrix".to_owned(),
         (None, DrawClass::Behind) => "flat, and drawn before the scene".to_owned(),
-        (None, DrawClass::Flat) => match ctx.shaders.program() {
+        (None, DrawClass::Flat) => match shaders.program() {
             Some(program) if !program.uniforms.locked().any() => "no 4×4 matrix flows into its positions".to_owned(),
             _ => "no matrix with a perspective".to_owned(),
         },
     };
-    if ctx.app.picking() || ctx.app.discard() {
+    if app.picking() || app.discard() {
         why = "nothing is rasterised, or it is drawn for picking".to_owned();
     }
-    let images = ctx.view_copies.images.iter().enumerate().take(64).filter(|(i, _)| seen.sampled >> i & 1 != 0);
+    let images = view_copies.images.iter().enumerate().take(64).filter(|(i, _)| seen.sampled >> i & 1 != 0);
     for (number, (_, image)) in images.enumerate() {
         why.push_str(if number == 0 { "; reads " } else { ", " });
         why.push_str(&name_of(image));
@@ -94,25 +101,25 @@ fn why(ctx: &Context, seen: &Seen<'_>) -> String {
     why
 }
 
-fn target(ctx: &Context) -> String {
-    let window = ctx.drawable.target().map_or((0, 0), |target| target.size());
-    if ctx.app.draw_framebuffer() == 0 {
+fn target(app: &AppState, drawable: &Drawable, view_copies: &ViewCopies) -> String {
+    let window = drawable.target().map_or((0, 0), |target| target.size());
+    if app.draw_framebuffer() == 0 {
         return format!("window, {} × {}", window.0, window.1);
     }
-    let mut text = format!("framebuffer {}", ctx.app.draw_framebuffer());
-    if let Some(framebuffer) = bound(ctx) {
+    let mut text = format!("framebuffer {}", app.draw_framebuffer());
+    if let Some(framebuffer) = bound(app, view_copies) {
         for (number, name) in framebuffer.images().enumerate() {
             text.push_str(if number == 0 { ": " } else { ", " });
-            text.push_str(&ctx.view_copies.image(name).map_or_else(|| "an image".to_owned(), name_of));
+            text.push_str(&view_copies.image(name).map_or_else(|| "an image".to_owned(), name_of));
         }
     }
     text
 }
 
 /// Returns the framebuffer of the program that is bound for drawing.
-fn bound(ctx: &Context) -> Option<&Framebuffer> {
-    let index = ctx.view_copies.position(ctx.app.draw_framebuffer())?;
-    ctx.view_copies.framebuffers.get(index)
+fn bound<'a>(app: &AppState, view_copies: &'a ViewCopies) -> Option<&'a Framebuffer> {
+    let index = view_copies.position(app.draw_framebuffer())?;
+    view_copies.framebuffers.get(index)
 }
 
 fn name_of(image: &Image) -> String {
@@ -154,26 +161,26 @@ fn format_name(format: u32) -> String {
 }
 
 /// Describes how draws to the target are issued.
-fn how(ctx: &Context) -> String {
-    if ctx.app.draw_framebuffer() == 0 {
-        return match ctx.drawable.target() {
+fn how(app: &AppState, drawable: &Drawable, view_copies: &ViewCopies) -> String {
+    if app.draw_framebuffer() == 0 {
+        return match drawable.target() {
             Some(target) => {
                 format!("Draws of the scene are issued to {} views, flat ones once.", target.session.views().len())
             }
             None => "The window keeps its own picture.".to_owned(),
         };
     }
-    let Some(framebuffer) = bound(ctx) else {
+    let Some(framebuffer) = bound(app, view_copies) else {
         return "Draws are issued once: the framebuffer is not followed.".to_owned();
     };
-    match framebuffer_statistics::reason(ctx, &ctx.view_copies.images, framebuffer) {
-        None => format!("Draws are issued once for each of {} views.", views(ctx)),
+    match framebuffer_statistics::reason(drawable, &view_copies.images, framebuffer) {
+        None => format!("Draws are issued once for each of {} views.", views(drawable)),
         Some(reason) => format!("Draws are issued once: {reason}."),
     }
 }
 
-fn shaders(ctx: &Context) -> String {
-    match (ctx.shaders.program(), ctx.shaders.assembly()) {
+fn shaders(shaders: &Shaders) -> String {
+    match (shaders.program(), shaders.assembly()) {
         (Some(program), _) => {
             let stages = [
                 (api::GL_VERTEX_SHADER_BIT, "vertex"),
@@ -190,9 +197,9 @@ fn shaders(ctx: &Context) -> String {
     }
 }
 
-fn state(ctx: &Context) -> String {
+fn state(driver: &Driver, app: &AppState) -> String {
     let mut parts = Vec::new();
-    let gl = ctx.driver.gl;
+    let gl = driver.gl;
     for (name, text) in [
         (api::GL_DEPTH_TEST, "depth test"),
         (api::GL_BLEND, "blending"),
@@ -204,21 +211,21 @@ fn state(ctx: &Context) -> String {
             parts.push(text.to_owned());
         }
     }
-    let LowerLeftRect { x, y, width, height } = ctx.app.viewport();
+    let LowerLeftRect { x, y, width, height } = app.viewport();
     parts.push(format!("viewport {x}, {y}, {width} × {height}"));
     parts.join(", ")
 }
 
-fn matrices(ctx: &Context) -> Vec<MatrixNote> {
+fn matrices(driver: &Driver, shaders: &Shaders, compat: &Compat) -> Vec<MatrixNote> {
     let describe = |matrix: &Matrix| MatrixNote::new(&*matrix.name, form(matrix), &matrix.candidate());
-    match ctx.shaders.program() {
+    match shaders.program() {
         Some(program) => {
             let mut notes: Vec<_> = program.uniforms.locked().matrices.iter().map(describe).collect();
             notes.extend(camera_matrices(program));
             notes
         }
-        None if ctx.shaders.assembly().is_none() && ctx.driver.profile.compatibility() => {
-            let projection = Candidate::either(0, ctx.compat.projection.matrix());
+        None if shaders.assembly().is_none() && driver.profile.compatibility() => {
+            let projection = Candidate::either(0, compat.projection.matrix());
             vec![MatrixNote::new("GL_PROJECTION", "fixed function", &projection)]
         }
         None => Vec::new(),
@@ -254,23 +261,23 @@ fn form(matrix: &Matrix) -> &'static str {
 }
 
 /// Gives the last pass a picture of its target.
-fn note_last_picture(ctx: &mut Context) {
-    let Some(InspectedPass { number, framebuffer, .. }) = ctx.view_copies.inspected.take() else { return };
-    let Some(index) = ctx.view_copies.position(framebuffer).filter(|_| framebuffer != 0) else { return };
-    let Some(framebuffer) = ctx.view_copies.framebuffers.get(index) else { return };
-    let Some(image) = framebuffer.colours().find_map(|name| ctx.view_copies.image(name)) else { return };
+fn note_last_picture(driver: &mut Driver, drawable: &Drawable, view_copies: &mut ViewCopies) {
+    let Some(InspectedPass { number, framebuffer, .. }) = view_copies.inspected.take() else { return };
+    let Some(index) = view_copies.position(framebuffer).filter(|_| framebuffer != 0) else { return };
+    let Some(framebuffer) = view_copies.framebuffers.get(index) else { return };
+    let Some(image) = framebuffer.colours().find_map(|name| view_copies.image(name)) else { return };
     let [width, height] = image.size;
     let own = LowerLeftRect::new(0, 0, width, height);
     let (source, rect, name) = match &image.view_copy {
         Some(copy) if framebuffer.view_copy != 0 => {
-            let [width, height] = copy.grid.extent(views(ctx));
+            let [width, height] = copy.grid.extent(views(drawable));
             (framebuffer.view_copy, LowerLeftRect::new(0, 0, width, height), "afterwards, each view")
         }
         _ if image.samples > 1 => return,
         _ => (framebuffer.name, own, "afterwards"),
     };
-    let gl = ctx.driver.gl;
-    ctx.driver.take_errors();
+    let gl = driver.gl;
+    driver.take_errors();
     let picture = read_back(gl, source, name, rect);
     // Pictures with integers or with several samples cannot be read in this way.
     // SAFETY: reads the error flag.

@@ -1,10 +1,10 @@
 //! Followed images that the next draw samples.
 
 use crate::backend::gl::driver::api;
-use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::offscreen::images::{Name, Set};
+use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use crate::intercept::gl::state::shader::Shaders;
 
 /// Greatest number of samplers of a program that are examined.
@@ -59,13 +59,13 @@ pub fn bound(driver: &Driver, target: u32) -> u32 {
 }
 
 /// Returns the followed images that the next draw samples.
-pub fn sampled(ctx: &Context) -> Set {
-    let images = &ctx.view_copies.images;
+pub fn sampled(driver: &Driver, shaders: &Shaders, view_copies: &ViewCopies) -> Set {
+    let images = &view_copies.images;
     if !images.iter().any(|image| matches!(image.name, Name::Texture { .. })) {
         return 0;
     }
     let mut found = 0;
-    each_texture(&ctx.driver, &ctx.shaders, |texture| {
+    each_texture(driver, shaders, |texture| {
         for (i, image) in images.iter().enumerate().take(64) {
             found |= Set::from(texture != 0 && image.is_texture(texture)) << i;
         }

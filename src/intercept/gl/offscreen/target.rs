@@ -2,7 +2,7 @@
 
 use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::per_view::issue::{Copies, Target, issue};
+use crate::intercept::gl::per_view::issue::{Copies, CopyTarget, issue};
 use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
@@ -36,7 +36,7 @@ pub fn each_view(
     issue(ctx, &Copies { changes, views, count, shown }, &mut target, draw);
 }
 
-impl<F: Fn(&mut Context, usize) -> DrawClass> Target for CopiesPerView<F> {
+impl<F: Fn(&mut Context, usize) -> DrawClass> CopyTarget for CopiesPerView<F> {
     fn prepare(&mut self, ctx: &mut Context, view: usize) -> Option<DrawClass> {
         self.class = (self.prepare)(ctx, view);
         let own = self.session.as_ref().map_or(0, |session| session.views().len());
@@ -46,7 +46,9 @@ impl<F: Fn(&mut Context, usize) -> DrawClass> Target for CopiesPerView<F> {
     fn factors(&self, ctx: &mut Context, _view: usize, class: Option<DrawClass>) -> QueryScaling {
         let samples = match (self.class, &self.session) {
             (DrawClass::FixedScene | DrawClass::Scene(_), Some(_)) if class.is_none() => 0.0,
-            (DrawClass::FixedScene | DrawClass::Scene(_), Some(session)) => scaling::scene_samples(ctx, session, true),
+            (DrawClass::FixedScene | DrawClass::Scene(_), Some(session)) => {
+                scaling::scene_samples(&ctx.app, &mut ctx.frame, &mut ctx.queries, session, true)
+            }
             _ => self.share,
         };
         QueryScaling { samples, primitives: self.share }

@@ -9,7 +9,9 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::view_copies::{
     self, copy_count, look, make_framebuffer, own_tile, possible, supply, views,
 };
+use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::drawable::Drawable;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::frame::Frame;
 use crate::intercept::gl::state::offscreen::depth_converter::DepthConverter;
 use crate::intercept::gl::state::offscreen::framebuffers::COLOURS;
@@ -33,10 +35,10 @@ enum Side {
 /// Performs `glBlitFramebuffer` between the program's framebuffers. Returns false if the caller
 /// must perform it unchanged.
 pub fn blit(ctx: &mut Context, source: BlitRect, destination: BlitRect, mask: u32, filter: u32) -> bool {
-    if !possible(ctx) {
+    if !possible(&ctx.drawable) {
         return false;
     }
-    view_copies::look_at_read(ctx);
+    view_copies::look_at_read(&mut ctx.driver, &ctx.app, &mut ctx.view_copies);
     note_blit(ctx, destination, mask);
     let (from, to) = (read_side(ctx), draw_side(ctx));
     let fills = to != Side::Window || fills_window(&ctx.drawable, destination);
@@ -44,7 +46,7 @@ pub fn blit(ctx: &mut Context, source: BlitRect, destination: BlitRect, mask: u3
         (Side::Single, Side::Single | Side::Window) | (Side::Window, Side::Window | Side::Single) => false,
         (Side::ViewCopies(index), to) if to == Side::Single || !fills => {
             let set = ctx.view_copies.attached(index);
-            supply(ctx, set, own_tile(ctx));
+            supply(ctx, set, own_tile(&ctx.drawable, &ctx.view_copies));
             false
         }
         _ => {
@@ -92,7 +94,7 @@ fn note_blit(ctx: &mut Context, destination: BlitRect, mask: u32) {
     if mask & api::GL_COLOR_BUFFER_BIT == 0 {
         return;
     }
-    let sources = colours_of_read(ctx);
+    let sources = colours_of_read(&ctx.app, &ctx.view_copies);
     if ctx.redirected() {
         if fills_window(&ctx.drawable, destination) {
             for name in sources.into_iter().flatten() {
@@ -136,11 +138,11 @@ fn note_any_copy(view_copies: &mut ViewCopies, name: Name, sources: &[Option<Nam
 }
 
 /// Returns the colour images of the read framebuffer.
-fn colours_of_read(ctx: &Context) -> [Option<Name>; COLOURS] {
-    let index = ctx.view_copies.position(ctx.app.read_framebuffer());
+fn colours_of_read(app: &AppState, view_copies: &ViewCopies) -> [Option<Name>; COLOURS] {
+    let index = view_copies.position(app.read_framebuffer());
     let mut colours = [None; COLOURS];
-    if let Some(index) = index.filter(|_| ctx.app.read_framebuffer() != 0) {
-        for (colour, name) in colours.iter_mut().zip(ctx.view_copies.framebuffers[index].colours()) {
+    if let Some(index) = index.filter(|_| app.read_framebuffer() != 0) {
+        for (colour, name) in colours.iter_mut().zip(view_copies.framebuffers[index].colours()) {
             *colour = Some(name);
         }
     }
@@ -148,9 +150,9 @@ fn colours_of_read(ctx: &Context) -> [Option<Name>; COLOURS] {
 }
 
 /// Returns the depth image of the read framebuffer.
-fn depth_of_read(ctx: &Context) -> Option<Name> {
-    let index = ctx.view_copies.position(ctx.app.read_framebuffer()).filter(|_| ctx.app.read_framebuffer() != 0)?;
-    ctx.view_copies.framebuffers[index].depth()
+fn depth_of_read(app: &AppState, view_copies: &ViewCopies) -> Option<Name> {
+    let index = view_copies.position(app.read_framebuffer()).filter(|_| app.read_framebuffer() != 0)?;
+    view_copies.framebuffers[index].depth()
 }
 
 /// Framebuffer of a side for a view, and the position of its picture there.
@@ -229,13 +231,17 @@ fn copy_views(ctx: &mut Context, from: (Side, BlitRect), to: (Side, BlitRect), m
     if from.0 == Side::Window
         && let Some(target) = ctx.drawable.target()
     {
-        target.resolve(ctx, None);
+        target.resolve(&ctx.driver, &ctx.app, &ctx.drawable, None);
     }
     let mut buffer = 0;
     // SAFETY: writes one integer.
     unsafe { gl.get_integerv(api::GL_READ_BUFFER, &mut buffer) };
     // The window has no tile for the program's own picture, so that picture does not change.
-    let count = if from.0 == Side::Window || to.0 == Side::Window { views(ctx) } else { copy_count(ctx) };
+    let count = if from.0 == Side::Window || to.0 == Side::Window {
+        views(&ctx.drawable)
+    } else {
+        copy_count(&ctx.drawable, &ctx.view_copies)
+    };
     // SAFETY: framebuffers of Cupola, or as the program bound them; the bindings are put back.
     unsafe {
         let bindings = FramebufferBindings::save(gl);
@@ -287,7 +293,7 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
     };
     let is_depth = mask & api::GL_COLOR_BUFFER_BIT == 0;
     if is_depth && from.format != to.format && here == there && from.samples == 0 && to.samples == 0 {
-        convert_depth(ctx, from, to);
+        convert_depth(&ctx.driver, &mut ctx.view_copies, from, to);
         return;
     }
     // Multisampled pictures can be copied to the same format only.
@@ -305,7 +311,10 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
         return;
     }
     let whole = |[width, height]: [i32; 2]| BlitRect::new(0, 0, width, height);
-    let (resolved, scaled) = (canvas(ctx, here, from.format), (to.samples > 0).then(|| canvas(ctx, there, to.format)));
+    let (resolved, scaled) = (
+        canvas(&ctx.driver, &mut ctx.view_copies, here, from.format),
+        (to.samples > 0).then(|| canvas(&ctx.driver, &mut ctx.view_copies, there, to.format)),
+    );
     let Some(resolved) = resolved else { return };
     // SAFETY: copies between framebuffers of Cupola and the bound ones; the bindings are put back.
     unsafe {
@@ -332,9 +341,9 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
 
 /// Copies depth to another format by a copy into a texture, as no other command can do it. Does not
 /// copy stencil.
-fn convert_depth(ctx: &mut Context, from: End, to: End) {
-    let (size, gl) = (from.corners.unmirrored().size(), ctx.driver.gl);
-    let converters = &mut ctx.view_copies.depth_converters;
+fn convert_depth(driver: &Driver, view_copies: &mut ViewCopies, from: End, to: End) {
+    let (size, gl) = (from.corners.unmirrored().size(), driver.gl);
+    let converters = &mut view_copies.depth_converters;
     if !converters.iter().any(|converter| converter.is(size, to.format)) {
         // One converter of each format is kept.
         if let Some(index) = converters.iter().position(|converter| converter.format() == to.format) {
@@ -353,13 +362,13 @@ pub(in crate::intercept::gl) fn window_format(drawable: &Drawable) -> u32 {
 }
 
 /// Returns a framebuffer of Cupola with this size and format, and keeps it for later calls.
-fn canvas(ctx: &mut Context, size: [i32; 2], format: u32) -> Option<u32> {
-    if let Some(canvas) = ctx.view_copies.canvases.iter().find(|canvas| canvas.is(size, format)) {
+fn canvas(driver: &Driver, view_copies: &mut ViewCopies, size: [i32; 2], format: u32) -> Option<u32> {
+    if let Some(canvas) = view_copies.canvases.iter().find(|canvas| canvas.is(size, format)) {
         return Some(canvas.framebuffer());
     }
-    let canvas = SingleSampleImage::new(ctx.driver.gl, size, format)?;
+    let canvas = SingleSampleImage::new(driver.gl, size, format)?;
     let framebuffer = canvas.framebuffer();
-    ctx.view_copies.canvases.push(canvas);
+    view_copies.canvases.push(canvas);
     Some(framebuffer)
 }
 
@@ -367,7 +376,8 @@ fn canvas(ctx: &mut Context, size: [i32; 2], format: u32) -> Option<u32> {
 /// Returns true if it was performed, and the texture itself must not be changed.
 pub fn into_texture(ctx: &mut Context, texture: u32, level: i32, offset: [i32; 2], source: LowerLeftRect) -> bool {
     let from = read_side(ctx);
-    let Some(index) = image_of(&ctx.view_copies, texture, level).filter(|_| possible(ctx) && from != Side::Single)
+    let Some(index) =
+        image_of(&ctx.view_copies, texture, level).filter(|_| possible(&ctx.drawable) && from != Side::Single)
     else {
         return false;
     };
@@ -378,15 +388,15 @@ pub fn into_texture(ctx: &mut Context, texture: u32, level: i32, offset: [i32; 2
     let (mask, [x, y]) = (image.mask, offset);
     let to = (Side::Image(index), LowerLeftRect { x, y, ..source }.corners());
     copy_views(ctx, (from, source.corners()), to, mask, api::GL_NEAREST);
-    from != Side::Window || copy_count(ctx) == views(ctx)
+    from != Side::Window || copy_count(&ctx.drawable, &ctx.view_copies) == views(&ctx.drawable)
 }
 
 /// Notes that the program has copied a rectangle of its read framebuffer into a texture.
 pub fn noted_into_texture(ctx: &mut Context, texture: u32, level: i32, source: LowerLeftRect) {
     let whole = fills_window(&ctx.drawable, source.corners());
     let from_window = ctx.reads_redirected() && whole && window_has_scene(&ctx.frame, &ctx.view_copies);
-    let (sources, depth) = (colours_of_read(ctx), depth_of_read(ctx));
-    if !possible(ctx) || (!from_window && depth.is_none() && sources.iter().all(Option::is_none)) {
+    let (sources, depth) = (colours_of_read(&ctx.app, &ctx.view_copies), depth_of_read(&ctx.app, &ctx.view_copies));
+    if !possible(&ctx.drawable) || (!from_window && depth.is_none() && sources.iter().all(Option::is_none)) {
         return;
     }
     let index = match image_of(&ctx.view_copies, texture, level) {
@@ -407,8 +417,8 @@ pub fn noted_into_texture(ctx: &mut Context, texture: u32, level: i32, source: L
     } else {
         note_any_copy(&mut ctx.view_copies, name, &[depth], false);
     }
-    if copy_count(ctx) > views(ctx) {
-        let own = own_tile(ctx);
+    if copy_count(&ctx.drawable, &ctx.view_copies) > views(&ctx.drawable) {
+        let own = own_tile(&ctx.drawable, &ctx.view_copies);
         view_copies::without_scissor(ctx, |ctx| ctx.view_copies.images[index].store(ctx.driver.gl, ctx.driver.id, own));
     }
 }

@@ -29,6 +29,7 @@ use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::errors::{drop_errors, take_own_errors};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::scene_graph;
+use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::offscreen::images::{Image, Pair, Set};
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use crate::intercept::process::{log, settings};
@@ -43,14 +44,14 @@ pub(super) fn duplicate_mode() -> Duplicate {
 
 /// True if images can have copies: some views have other lenses than the program's, and views are
 /// not drawn in turn.
-pub(super) fn possible(ctx: &Context) -> bool {
+pub(super) fn possible(drawable: &Drawable) -> bool {
     let has_other_lenses = |s: &Session| s.turns().is_none() && s.views().iter().any(|v| !v.program_lens);
-    duplicate_mode() != Duplicate::Never && ctx.session().is_some_and(has_other_lenses)
+    duplicate_mode() != Duplicate::Never && drawable.session().is_some_and(has_other_lenses)
 }
 
 /// Returns the number of views.
-pub(super) fn views(ctx: &Context) -> usize {
-    ctx.session().map_or(0, |session| session.views().len())
+pub(super) fn views(drawable: &Drawable) -> usize {
+    drawable.session().map_or(0, |session| session.views().len())
 }
 
 /// Takes over the data that the group shares, when the context becomes current. It gives them back
@@ -92,15 +93,15 @@ fn destroy_view_copy(image: &mut Image, gl: &Gl, context: u64, left: &mut Vec<Pa
 }
 
 /// Returns the number of tiles of a view copy.
-pub(super) fn copy_count(ctx: &Context) -> usize {
-    views(ctx) + usize::from(ctx.view_copies.own_picture)
+pub(super) fn copy_count(drawable: &Drawable, view_copies: &ViewCopies) -> usize {
+    views(drawable) + usize::from(view_copies.own_picture)
 }
 
 /// Returns the tile of the program's own picture. If there is none, returns the tile of the view
 /// ahead.
-pub(super) fn own_tile(ctx: &Context) -> usize {
-    let ahead = || ctx.session().map_or(0, |session| session.ahead());
-    if ctx.view_copies.own_picture { views(ctx) } else { ahead() }
+pub(super) fn own_tile(drawable: &Drawable, view_copies: &ViewCopies) -> usize {
+    let ahead = || drawable.session().map_or(0, |session| session.ahead());
+    if view_copies.own_picture { views(drawable) } else { ahead() }
 }
 
 /// Binds the program's own draw framebuffer again, for calls that use its binding.
@@ -172,7 +173,7 @@ pub fn end_frame(ctx: &mut Context) {
             image.displayed = true;
         }
     });
-    if !std::mem::take(&mut ctx.view_copies.learnt) || !possible(ctx) {
+    if !std::mem::take(&mut ctx.view_copies.learnt) || !possible(&ctx.drawable) {
         return;
     }
     let wanted = scene_graph::wanted(&ctx.view_copies.images, duplicate_mode() == Duplicate::Always);
@@ -211,7 +212,7 @@ fn make_view_copy(ctx: &mut Context, index: usize) -> bool {
     }
     leave(ctx);
     ctx.driver.take_errors();
-    let count = copy_count(ctx);
+    let count = copy_count(&ctx.drawable, &ctx.view_copies);
     without_scissor(ctx, |ctx| {
         let image = &mut ctx.view_copies.images[index];
         image.refused = !image.make_view_copy(ctx.driver.gl, ctx.driver.id, count);

@@ -3,22 +3,25 @@
 //! panel's opening is the lens.
 
 use crate::correct::LowerLeftRect;
-use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::per_view::classify;
+use crate::intercept::gl::state::app::AppState;
+use crate::intercept::gl::state::compat::Compat;
+use crate::intercept::gl::state::drawable::Drawable;
+use crate::intercept::gl::state::frame::Frame;
 use crate::intercept::gl::state::frame::background::PanelPart;
 
 /// True if a flat draw with the present state goes behind the scene.
-pub fn is_behind(ctx: &mut Context) -> bool {
-    if !ctx.frame.is_behind() || !classify::main_viewport(&ctx.app, &ctx.frame) {
+pub fn is_behind(app: &AppState, drawable: &Drawable, frame: &mut Frame, compat: &Compat) -> bool {
+    if !frame.is_behind() || !classify::main_viewport(app, frame) {
         return false;
     }
-    let Some(target) = ctx.drawable.target() else { return false };
-    let whole = ctx.app.scissor().contains(LowerLeftRect::of_size(target.size()));
-    (whole || !ctx.app.scissor_test()) && prepare(ctx, PanelPart::default())
+    let Some(target) = drawable.target() else { return false };
+    let whole = app.scissor().contains(LowerLeftRect::of_size(target.size()));
+    (whole || !app.scissor_test()) && prepare(drawable, frame, compat, PanelPart::default())
 }
 
 /// Computes the matrices from flat clip positions to the views. Returns false if there are none.
-pub fn prepare(ctx: &mut Context, part: PanelPart) -> bool {
-    let Some(session) = ctx.drawable.session() else { return false };
-    ctx.frame.prepare_background(session, ctx.compat.projection.matrix(), part)
+pub fn prepare(drawable: &Drawable, frame: &mut Frame, compat: &Compat, part: PanelPart) -> bool {
+    let Some(session) = drawable.session() else { return false };
+    frame.prepare_background(session, compat.projection.matrix(), part)
 }

@@ -5,7 +5,9 @@ use crate::intercept::gl::shader::{assembly, program_pipelines, programs};
 use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::app::window_arrays::WindowArrays;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
+use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::frame::Frame;
+use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::programs::ProgramLens;
 use crate::intercept::scene::viewport;
 use crate::runtime::session::MatrixClass;
@@ -16,24 +18,28 @@ pub fn classify(ctx: &mut Context) -> DrawClass {
 }
 
 /// True if the primitives of a draw may go to different viewports.
-pub fn several_viewports(ctx: &Context) -> bool {
-    let chooses = || ctx.shaders.program().is_some_and(|program| program.chooses_viewport);
-    ctx.app.arrays().is_some_and(WindowArrays::differ) && chooses()
+pub fn several_viewports(app: &AppState, shaders: &Shaders) -> bool {
+    let chooses = || shaders.program().is_some_and(|program| program.chooses_viewport);
+    app.arrays().is_some_and(WindowArrays::differ) && chooses()
 }
 
 /// Returns the class of a draw by its lens alone.
 pub fn classify_by_projection(ctx: &mut Context) -> DrawClass {
-    if several_viewports(ctx) {
+    if several_viewports(&ctx.app, &ctx.shaders) {
         return DrawClass::Flat;
     }
     if let Some(program) = ctx.shaders.program().cloned().filter(|p| p.draws_vertices()) {
         let lens = program_pipelines::lens(ctx, &program);
-        return of_lens(ctx, lens);
+        return of_lens(&ctx.app, &ctx.drawable, &mut ctx.frame, lens);
     }
     if let Some(program) = ctx.shaders.assembly().cloned() {
         let has_matrices = !program.matrices.is_empty();
-        let lens = if has_matrices { assembly::lens(ctx, &program) } else { programs::given(ctx) };
-        return of_lens(ctx, lens);
+        let lens = if has_matrices {
+            assembly::lens(&ctx.driver, &program)
+        } else {
+            programs::given(&ctx.driver, &ctx.drawable)
+        };
+        return of_lens(&ctx.app, &ctx.drawable, &mut ctx.frame, lens);
     }
     if !ctx.driver.profile.compatibility() {
         return DrawClass::Flat;
@@ -49,14 +55,14 @@ pub fn classify_by_projection(ctx: &mut Context) -> DrawClass {
 }
 
 /// Returns the class of a draw with `lens`.
-fn of_lens(ctx: &mut Context, lens: ProgramLens) -> DrawClass {
-    let (ProgramLens::Perspective(told, how), Some(session)) = (lens, ctx.drawable.session()) else {
+fn of_lens(app: &AppState, drawable: &Drawable, frame: &mut Frame, lens: ProgramLens) -> DrawClass {
+    let (ProgramLens::Perspective(told, how), Some(session)) = (lens, drawable.session()) else {
         return DrawClass::Flat;
     };
-    let [width, height] = ctx.app.viewport().size().map(f64::from);
-    let Some(intrinsics) = told.settled(ctx.frame.cameras().lenses(), width / height) else { return DrawClass::Flat };
-    ctx.frame.note_lens(intrinsics, how);
-    DrawClass::Scene(ctx.frame.camera(&intrinsics, session))
+    let [width, height] = app.viewport().size().map(f64::from);
+    let Some(intrinsics) = told.settled(frame.cameras().lenses(), width / height) else { return DrawClass::Flat };
+    frame.note_lens(intrinsics, how);
+    DrawClass::Scene(frame.camera(&intrinsics, session))
 }
 
 /// True if the viewport is the program's main one. Drawing to smaller viewports is flat.

@@ -3,21 +3,27 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::shader::camera_matrices::upload;
 use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::shader::source::frag_coord;
+use crate::intercept::gl::state::app::AppState;
+use crate::intercept::gl::state::compat::Compat;
 use crate::intercept::gl::state::compat::projection;
+use crate::intercept::gl::state::draw::DrawState;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
+use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::variants::{InUse, Variant};
 use crate::intercept::scene::query_scaling::QueryScaling;
 use std::sync::Arc;
 
 /// Target of the copies of a draw: the atlas of the window, or the per-view copies of a framebuffer
 /// of the program.
-pub trait Target {
+pub trait CopyTarget {
     /// Sets the window space for `view`. Returns the draw class for it. `None`: the view is the
     /// program's own picture, with the program's own matrices.
     fn prepare(&mut self, ctx: &mut Context, view: usize) -> Option<DrawClass>;
@@ -52,9 +58,9 @@ impl Copies {
 }
 
 /// Issues a draw once for each of its copies.
-pub fn issue(ctx: &mut Context, copies: &Copies, target: &mut dyn Target, draw: &mut dyn FnMut(&mut Context, &Gl)) {
+pub fn issue(ctx: &mut Context, copies: &Copies, target: &mut dyn CopyTarget, draw: &mut dyn FnMut(&mut Context, &Gl)) {
     let gl = ctx.driver.gl;
-    let repeats = Repeats::new(copies.changes, ctx, 0);
+    let repeats = Repeats::new(copies.changes, &ctx.driver, &ctx.app, 0);
     let last = (0..copies.count).rev().find(|view| copies.contain(*view));
     let (mut projection_loaded, mut number) = (false, 0);
     for view in 0..copies.count {
@@ -75,7 +81,7 @@ pub fn issue(ctx: &mut Context, copies: &Copies, target: &mut dyn Target, draw: 
         target.issued(ctx, view);
         number += 1;
     }
-    restore_projection(ctx, &mut projection_loaded);
+    restore_projection(&ctx.driver, &ctx.app, &ctx.compat, &mut projection_loaded);
 }
 
 /// Sets the projection of a view in the program or in the fixed-function pipeline. Returns the
@@ -87,25 +93,26 @@ fn load_view(
     projection_loaded: &mut bool,
 ) -> Option<(Arc<Variant>, InUse)> {
     let in_shader = ctx.shaders.program().is_some_and(|program| program.draws_vertices());
-    let takes_rows = in_shader || ctx.shaders.assembly().is_some();
+    let takes_matrix = in_shader || ctx.shaders.assembly().is_some();
     match class {
         None => {
             plain_program(ctx);
-            restore_projection(ctx, projection_loaded);
+            restore_projection(&ctx.driver, &ctx.app, &ctx.compat, projection_loaded);
         }
         Some(class @ (DrawClass::Flat | DrawClass::Screen)) => {
-            plain_rows(ctx);
+            plain_reprojection(&ctx.share, &ctx.driver, &ctx.draw, &ctx.shaders);
             upload::load_view(ctx, view, class);
         }
         Some(class @ DrawClass::Scene(camera)) => {
             ctx.frame.show_camera(camera);
-            let rows = ctx.frame.cameras().get(camera).and_then(|camera| camera.rows.get(view)).copied()?;
+            let reprojection =
+                ctx.frame.cameras().get(camera).and_then(|camera| camera.reprojections.get(view)).copied()?;
             upload::load_view(ctx, view, class);
-            return load_rows(ctx, view, &rows);
+            return load_reprojection(ctx, view, &reprojection);
         }
-        Some(DrawClass::Behind) if takes_rows => {
-            let rows = ctx.frame.background().shader_rows(view).copied()?;
-            return load_rows(ctx, view, &rows);
+        Some(DrawClass::Behind) if takes_matrix => {
+            let reprojection = ctx.frame.background().reprojection(view).copied()?;
+            return load_reprojection(ctx, view, &reprojection);
         }
         Some(class) => {
             plain_program(ctx);
@@ -127,31 +134,35 @@ fn load_view(
 }
 
 /// Sends the reprojection matrix and the lens of a view to the program in use.
-fn load_rows(ctx: &mut Context, view: usize, rows: &ReprojectionMatrix) -> Option<(Arc<Variant>, InUse)> {
+fn load_reprojection(
+    ctx: &mut Context,
+    view: usize,
+    reprojection: &ReprojectionMatrix,
+) -> Option<(Arc<Variant>, InUse)> {
     let lens = ctx.drawable.target().and_then(|target| target.lenses.get(view)).copied();
-    programs::upload_view(ctx, rows, lens.as_ref());
-    frag_coord::upload(ctx);
+    programs::upload_view(&ctx.driver, &ctx.shaders, reprojection, lens.as_ref());
+    frag_coord::upload(&ctx.share, &ctx.driver, &ctx.draw, &ctx.shaders);
     let division = ctx.session().and_then(|session| session.division(view));
-    projected_vertices::begin_view(ctx, rows, lens.as_ref(), division)
+    projected_vertices::begin_view(ctx, reprojection, lens.as_ref(), division)
 }
 
 /// Restores the program's own projection if the projection of a view was loaded.
-fn restore_projection(ctx: &Context, loaded: &mut bool) {
+fn restore_projection(driver: &Driver, app: &AppState, compat: &Compat, loaded: &mut bool) {
     if std::mem::take(loaded) {
-        projection::load(ctx.driver.gl, ctx.app.matrix_mode(), ctx.compat.projection.matrix());
+        projection::load(driver.gl, app.matrix_mode(), compat.projection.matrix());
     }
 }
 
 /// Makes patched programs draw as the original ones, for the program's own picture.
 pub fn plain_program(ctx: &mut Context) {
-    plain_rows(ctx);
+    plain_reprojection(&ctx.share, &ctx.driver, &ctx.draw, &ctx.shaders);
     upload::load_own(ctx);
 }
 
 /// Sends the identity as reprojection matrix, and the present window space.
-fn plain_rows(ctx: &mut Context) {
-    programs::upload(ctx, &crate::intercept::gl::state::shader::programs::IDENTITY);
-    frag_coord::upload(ctx);
+fn plain_reprojection(share: &ShareGroup, driver: &Driver, draw: &DrawState, shaders: &Shaders) {
+    programs::upload(driver, shaders, &crate::intercept::gl::state::shader::programs::IDENTITY);
+    frag_coord::upload(share, driver, draw, shaders);
 }
 
 /// Keeps repetitions of a draw invisible to the program. Vertex attributes and other state that the
@@ -165,18 +176,18 @@ pub struct Repeats {
 
 impl Repeats {
     /// `pushed`: number of entries of Cupola on the attribute stack, in addition to the program's.
-    pub fn new(changes: Changes, ctx: &Context, pushed: usize) -> Self {
+    pub fn new(changes: Changes, driver: &Driver, app: &AppState, pushed: usize) -> Self {
         let mask = match changes {
-            _ if !ctx.driver.profile.compatibility() => 0,
+            _ if !driver.profile.compatibility() => 0,
             // The stack is full: a pop would remove an entry of the program.
-            _ if !ctx.app.can_push(pushed) => 0,
+            _ if !app.can_push(pushed) => 0,
             Changes::Nothing | Changes::Alike => 0,
             Changes::Attributes => api::GL_CURRENT_BIT | api::GL_LIGHTING_BIT,
             Changes::Anything => api::GL_ALL_ATTRIB_BITS,
         };
-        let follows = mask != 0 && ctx.driver.known_state.is_on(ctx.driver.gl, api::GL_COLOR_MATERIAL);
+        let follows = mask != 0 && driver.known_state.is_on(driver.gl, api::GL_COLOR_MATERIAL);
         // Before OpenGL 4.0 there is no pause, so every repetition is recorded.
-        Self { mask, follows, feedback: ctx.app.feedback() && ctx.driver.gl.has_pause_transform_feedback() }
+        Self { mask, follows, feedback: app.feedback() && driver.gl.has_pause_transform_feedback() }
     }
 
     /// Runs `issue` for the `number`-th time. Restores what it changes, unless it is the `last`

@@ -5,13 +5,15 @@
 //! so only these primitives are cut at their tile.
 
 use crate::backend::gl::driver::api;
-use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::state::draw::DrawState;
+use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::shader::Shaders;
 
 /// Determines whether the next draw may reach beyond its tile.
-pub fn look(ctx: &mut Context) {
-    let emits = ctx.shaders.program().is_some_and(|p| p.stages() & api::GL_GEOMETRY_SHADER_BIT != 0);
-    ctx.draw.begin(emits, ctx.driver.profile.es);
+pub fn look(driver: &Driver, draw: &mut DrawState, shaders: &Shaders) {
+    let emits = shaders.program().is_some_and(|p| p.stages() & api::GL_GEOMETRY_SHADER_BIT != 0);
+    draw.begin(emits, driver.profile.es);
 }
 
 hooks! {

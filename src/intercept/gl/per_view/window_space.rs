@@ -2,6 +2,7 @@
 
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::state::draw::DrawState;
 use crate::intercept::scene::to_window::ToWindow;
 
 /// Returns the height of the stand-in image if drawing goes to it, else 0.
@@ -18,8 +19,8 @@ pub fn view_window_space(ctx: &mut Context, tile: LowerLeftRect, scissor: Option
 }
 
 /// Sets the program's own window space, for its own framebuffers and for draws that reach no image.
-pub fn program_window_space(ctx: &mut Context) {
-    ctx.draw.note_window_space(ToWindow::default());
+pub fn program_window_space(draw: &mut DrawState) {
+    draw.note_window_space(ToWindow::default());
 }
 
 /// Moves the program's own viewports and scissors to a tile of the window's size, and limits them

@@ -11,6 +11,7 @@ use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::methods::tessellation_asked_for;
 use crate::intercept::gl::projected_vertices::variants;
+use crate::intercept::gl::state::draw::DrawState;
 use crate::intercept::gl::state::draw::primitives::Shape;
 use crate::intercept::gl::state::projected_vertices::fixed_function::Processor;
 use crate::intercept::gl::state::shader::variants::{InUse, Kind, Variant};
@@ -19,9 +20,9 @@ use std::sync::Arc;
 
 /// Returns the kinds of stages that can divide the present draw, the best first. Points need no
 /// division.
-fn kinds(ctx: &Context) -> [Option<Kind>; 2] {
-    let patch = ctx.draw.patch().filter(|_| tessellation_asked_for());
-    let input = match ctx.draw.shape() {
+fn kinds(draw: &DrawState) -> [Option<Kind>; 2] {
+    let patch = draw.patch().filter(|_| tessellation_asked_for());
+    let input = match draw.shape() {
         Shape::Triangles => Some(Input::Triangles),
         Shape::Lines => Some(Input::Lines),
         _ => None,
@@ -31,21 +32,21 @@ fn kinds(ctx: &Context) -> [Option<Kind>; 2] {
 
 /// Returns a variant of the program in use that divides the primitives of the present draw.
 pub fn variant(ctx: &mut Context) -> Option<Arc<Variant>> {
-    kinds(ctx).into_iter().flatten().find_map(|kind| variants::of(ctx, kind))
+    kinds(&ctx.draw).into_iter().flatten().find_map(|kind| variants::of(ctx, kind))
 }
 
 /// Uses a variant of the program that divides the primitives of the present draw, for a view with
-/// these rows and lens. Does nothing if no division is needed or the processor divides. `division`:
+/// this reprojection matrix and lens. Does nothing if no division is needed or the processor divides. `division`:
 /// how the view's primitives are divided.
 pub fn begin(
     ctx: &mut Context,
-    rows: &ReprojectionMatrix,
+    reprojection: &ReprojectionMatrix,
     lens: Option<&LensConstants>,
     division: Option<Division>,
 ) -> Option<(Arc<Variant>, InUse)> {
     let (lens, division) = (lens?, division?);
     if *ctx.projected.processor() == Processor::Divides {
-        ctx.projected.divide_view(division, *rows);
+        ctx.projected.divide_view(division, *reprojection);
         return None;
     }
     // Transform feedback must record the outputs of the program's own stages.
@@ -53,6 +54,6 @@ pub fn begin(
         return None;
     }
     let variant = variant(ctx)?;
-    let in_use = variant.begin(ctx, rows, lens);
+    let in_use = variant.begin(ctx, reprojection, lens);
     Some((variant, in_use))
 }

@@ -18,6 +18,8 @@ use crate::intercept::gl::projected_vertices::{carriers, tessellation};
 use crate::intercept::gl::shader::source::patch;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
+use crate::intercept::gl::state::projected_vertices::ProjectedVertices;
+use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::division_counter::Counter;
 use crate::intercept::gl::state::shader::programs::Program;
 use crate::intercept::gl::state::shader::uniform_mirror::Mirror;
@@ -40,7 +42,7 @@ pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
             let made = {
                 let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
                 ctx.driver.take_errors();
-                let made = make(ctx, &program, kind);
+                let made = make(&ctx.driver, &ctx.shaders, &mut ctx.projected, &program, kind);
                 errors::drop_errors(ctx.driver.gl);
                 made
             };
@@ -66,8 +68,8 @@ pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
 
 impl Variant {
     /// Uses the variant instead of the program, with the values of its uniforms, for a view with
-    /// these rows and this lens.
-    pub fn begin(&self, ctx: &mut Context, rows: &ReprojectionMatrix, lens: &LensConstants) -> InUse {
+    /// this reprojection matrix and this lens.
+    pub fn begin(&self, ctx: &mut Context, reprojection: &ReprojectionMatrix, lens: &LensConstants) -> InUse {
         let gl = ctx.driver.gl;
         let counter = ctx.projected.counter().filter(|_| self.counts).map(|counter| counter.begin(gl));
         let subroutines = ctx.shaders.program().is_some_and(|program| program.subroutines);
@@ -75,7 +77,7 @@ impl Variant {
         // SAFETY: a program of Cupola. The locations are those of the two halves of Cupola's array.
         unsafe {
             gl.use_program(self.name);
-            gl.uniform4fv(self.locations[0], projection::ROWS, rows.to_array().as_ptr());
+            gl.uniform4fv(self.locations[0], projection::ROWS, reprojection.to_array().as_ptr());
             gl.uniform4fv(self.locations[1], projection::LENS, lens.to_array().as_ptr());
         }
         if let Some(own) = &own {
@@ -136,16 +138,22 @@ fn limits(driver: &Driver, kind: Kind) -> Limits {
     }
 }
 
-fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, Obstacle> {
-    if ctx.shaders.used() != program.name {
+fn make(
+    driver: &Driver,
+    shaders: &Shaders,
+    projected: &mut ProjectedVertices,
+    program: &Program,
+    kind: Kind,
+) -> Result<Variant, Obstacle> {
+    if shaders.used() != program.name {
         return Err("it is part of a program pipeline".into());
     }
-    let index = dividable(ctx.driver.profile, program, kind)?;
-    let limits = limits(&ctx.driver, kind);
+    let index = dividable(driver.profile, program, kind)?;
+    let limits = limits(driver, kind);
     let (interface, dividing) = dividing_stages(program, index, kind, &limits)?;
     let carrying = carriers::carry(&program.texts[index].1, &interface);
 
-    let gl = ctx.driver.gl;
+    let gl = driver.gl;
     let mut shaders: Vec<u32> = dividing.iter().map(|stage| compile(gl, stage.kind, &stage.text)).collect();
     for (number, (kind, source)) in program.texts.iter().enumerate() {
         shaders.push(compile(gl, *kind, if number == index { &carrying } else { source }));
@@ -163,10 +171,10 @@ fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, Obs
         // SAFETY: a NUL-terminated name.
         unsafe { gl.get_uniform_location(name, name_of.as_ptr()) }
     };
-    if let (Some(binding), None) = (limits.counter, ctx.projected.counter()) {
-        ctx.projected.count_with(Counter::new(gl, binding));
+    if let (Some(binding), None) = (limits.counter, projected.counter()) {
+        projected.count_with(Counter::new(gl, binding));
     }
-    ctx.projected.note_counting(limits.counter.is_some());
+    projected.note_counting(limits.counter.is_some());
     Ok(Variant {
         name,
         locations: [location(0), location(projection::ROWS)],

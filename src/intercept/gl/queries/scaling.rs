@@ -15,8 +15,9 @@
 //! - Whether any sample passed: true if any sample passed in any view.
 
 use crate::backend::gl::driver::api::{self, Gl};
-use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::frame::Frame;
 use crate::intercept::gl::state::queries::{
     Count, Queries, ResultBuffer, Running, begin_real, end_real, kind, quantity, result,
 };
@@ -49,16 +50,22 @@ pub fn scale(gl: &Gl, queries: &mut Queries, factors: QueryScaling) {
 /// Returns the factor from samples in all views to samples in the program's own picture. Drawing
 /// that fills that picture counts as many samples as the picture has. `off_screen`: each view has
 /// as many samples as that picture.
-pub fn scene_samples(ctx: &mut Context, session: &Session, off_screen: bool) -> f64 {
-    let Some(lens) = ctx.frame.lens() else { return 1.0 };
-    let seen = Some((lens, ctx.app.viewport(), off_screen));
-    if ctx.queries.seen != seen {
-        let [width, height] = ctx.app.viewport().size().map(f64::from);
+pub fn scene_samples(
+    app: &AppState,
+    frame: &mut Frame,
+    queries: &mut Queries,
+    session: &Session,
+    off_screen: bool,
+) -> f64 {
+    let Some(lens) = frame.lens() else { return 1.0 };
+    let seen = Some((lens, app.viewport(), off_screen));
+    if queries.seen != seen {
+        let [width, height] = app.viewport().size().map(f64::from);
         let own = width * height;
-        ctx.queries.worth = factor(own, session.samples(&lens, own, off_screen));
-        ctx.queries.seen = seen;
+        queries.worth = factor(own, session.samples(&lens, own, off_screen));
+        queries.seen = seen;
     }
-    ctx.queries.worth
+    queries.worth
 }
 
 /// `glBeginQuery`, `glBeginQueryIndexed`.

@@ -14,7 +14,7 @@ use std::ffi::{CStr, c_char};
 
 /// Result of the search for a lens in the attributes of a program.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Found {
+pub enum FoundLens {
     /// A lens.
     Lens(Told),
     /// None of them has a lens.
@@ -49,22 +49,22 @@ pub fn of_program(gl: &Gl, program: u32, position: Option<&PositionNames>) -> Ve
 }
 
 /// Returns the lens of the present draw.
-pub fn lens(ctx: &mut Context, matrices: &mut [AttributeMatrix]) -> Found {
+pub fn lens(ctx: &mut Context, matrices: &mut [AttributeMatrix]) -> FoundLens {
     let mut readable = true;
     for matrix in &mut *matrices {
         readable &= read(ctx, matrix).is_some();
     }
     match lens::find(matrices.iter().map(|matrix| Candidate::either(matrix.rank, &matrix.value))) {
-        _ if !readable => Found::Unreadable,
-        Some((told, _)) => Found::Lens(told),
-        None => Found::Nothing,
+        _ if !readable => FoundLens::Unreadable,
+        Some((told, _)) => FoundLens::Lens(told),
+        None => FoundLens::Nothing,
     }
 }
 
 /// Reads a matrix again if it may have changed. `None`: the matrix cannot be read.
 fn read(ctx: &mut Context, matrix: &mut AttributeMatrix) -> Option<()> {
     let (gl, profile) = (ctx.driver.gl, ctx.driver.profile);
-    if !vertex_arrays::is_on(ctx, matrix.location) {
+    if !vertex_arrays::is_on(&ctx.driver, &mut ctx.vertex_input, matrix.location) {
         // In the compatibility profile attribute 0 has no current value, only values of vertices.
         if matrix.location == 0 && profile.compatibility() {
             return None;
@@ -80,7 +80,7 @@ fn read(ctx: &mut Context, matrix: &mut AttributeMatrix) -> Option<()> {
     let instance = ctx.draw.first_instance() as usize;
     let mut layouts = [None; 4];
     for (location, layout) in (matrix.location..).zip(&mut layouts) {
-        *layout = Some(Layout::of_instances(ctx, location, instance)?);
+        *layout = Some(Layout::of_instances(&ctx.driver, &mut ctx.vertex_input, location, instance)?);
     }
     let layouts = layouts.map(Option::unwrap_or_default);
     // Memory and buffers whose changes Cupola does not see are read again for each draw.

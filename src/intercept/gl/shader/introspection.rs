@@ -2,9 +2,10 @@
 //! uniforms.
 
 use crate::backend::gl::driver::api;
-use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::shader::programs;
+use crate::intercept::gl::state::driver::Driver;
 use crate::lock::Lock;
 use std::ffi::c_char;
 
@@ -34,13 +35,13 @@ impl Own {
     }
 }
 
-fn own_uniforms(ctx: &Context, program: u32) -> Own {
-    Own { indices: programs::record(&ctx.share, program).map_or(Vec::new(), |program| program.own_uniforms.clone()) }
+fn own_uniforms(share: &ShareGroup, program: u32) -> Own {
+    Own { indices: programs::record(share, program).map_or(Vec::new(), |program| program.own_uniforms.clone()) }
 }
 
 /// Returns the location for the driver; −1 if the program's location is that of an own uniform.
-fn location(ctx: &Context, program: u32, location: i32) -> i32 {
-    let gl = ctx.driver.gl;
+fn location(share: &ShareGroup, driver: &Driver, program: u32, location: i32) -> i32 {
+    let gl = driver.gl;
     let is_ours = |index: &u32| {
         let mut name = [0; 256];
         let (mut length, mut size, mut kind) = (0, 0, 0);
@@ -51,29 +52,29 @@ fn location(ctx: &Context, program: u32, location: i32) -> i32 {
         };
         first >= 0 && (first..first.saturating_add(size)).contains(&location)
     };
-    let record = programs::record(&ctx.share, program);
+    let record = programs::record(share, program);
     if record.is_some_and(|record| record.own_uniforms.iter().any(is_ours)) { -1 } else { location }
 }
 
 /// True if the program has deleted a program that is still in use.
-fn is_deleted(ctx: &Context, program: u32) -> bool {
-    ctx.share.programs.locked().uses.is_deleted(program)
+fn is_deleted(share: &ShareGroup, program: u32) -> bool {
+    share.programs.locked().uses.is_deleted(program)
 }
 
 /// Returns the driver's index for the program's index.
-fn shifted(ctx: &Context, program: u32, index: u32) -> u32 {
-    own_uniforms(ctx, program).shifted(index)
+fn shifted(share: &ShareGroup, program: u32, index: u32) -> u32 {
+    own_uniforms(share, program).shifted(index)
 }
 
 /// Returns the length of the longest name of the program's active uniforms, with its NUL; 0 = there
 /// are no uniforms.
-fn longest_name(ctx: &Context, program: u32) -> i32 {
-    let gl = ctx.driver.gl;
+fn longest_name(share: &ShareGroup, driver: &Driver, program: u32) -> i32 {
+    let gl = driver.gl;
     let (mut count, mut longest) = (0, 0);
     let mut name = [0; 1024];
     // SAFETY: writes one number.
     unsafe { gl.get_programiv(program, api::GL_ACTIVE_UNIFORMS, &mut count) };
-    let ours = own_uniforms(ctx, program);
+    let ours = own_uniforms(share, program);
     for index in (0..count as u32).filter(|index| !ours.indices.contains(index)) {
         let (mut length, mut size, mut kind) = (0, 0, 0);
         // SAFETY: writes one number each, and no more characters than the buffer can hold.
@@ -84,8 +85,8 @@ fn longest_name(ctx: &Context, program: u32) -> i32 {
 }
 
 /// Returns the driver's index of a resource.
-fn resource(ctx: &Context, program: u32, interface: u32, index: u32) -> u32 {
-    if interface == api::GL_UNIFORM { shifted(ctx, program, index) } else { index }
+fn resource(share: &ShareGroup, program: u32, interface: u32, index: u32) -> u32 {
+    if interface == api::GL_UNIFORM { shifted(share, program, index) } else { index }
 }
 
 /// Renumbers `count` indices from the driver, so that they do not count own uniforms.
@@ -105,14 +106,14 @@ unsafe fn renumber(ours: &Own, count: i32, indices: *mut i32) {
 hooks! {
     "glGetProgramiv" get_programiv(program: u32, name: u32, value: *mut i32) = |ctx, gl| {
         gl.get_programiv(program, name, value);
-        if name == api::GL_DELETE_STATUS && is_deleted(ctx, program) && !value.is_null() {
+        if name == api::GL_DELETE_STATUS && is_deleted(&ctx.share, program) && !value.is_null() {
             *value = 1;
         }
-        let ours = own_uniforms(ctx, program);
+        let ours = own_uniforms(&ctx.share, program);
         if !value.is_null() && ours.any() {
             match name {
                 api::GL_ACTIVE_UNIFORMS => *value -= ours.count(),
-                api::GL_ACTIVE_UNIFORM_MAX_LENGTH => *value = longest_name(ctx, program),
+                api::GL_ACTIVE_UNIFORM_MAX_LENGTH => *value = longest_name(&ctx.share, &ctx.driver, program),
                 // A stored binary would contain the own uniforms, and would not work without
                 // Cupola.
                 api::GL_PROGRAM_BINARY_LENGTH => *value = 0,
@@ -122,89 +123,89 @@ hooks! {
     };
     "glGetObjectParameterivARB" get_object_parameteriv_arb(object: u32, name: u32, value: *mut i32) = |ctx, gl| {
         gl.get_object_parameteriv_arb(object, name, value);
-        if name == api::GL_OBJECT_DELETE_STATUS_ARB && is_deleted(ctx, object) && !value.is_null() {
+        if name == api::GL_OBJECT_DELETE_STATUS_ARB && is_deleted(&ctx.share, object) && !value.is_null() {
             *value = 1;
         }
-        let ours = own_uniforms(ctx, object);
+        let ours = own_uniforms(&ctx.share, object);
         if !value.is_null() && ours.any() {
             match name {
                 api::GL_OBJECT_ACTIVE_UNIFORMS_ARB => *value -= ours.count(),
-                api::GL_OBJECT_ACTIVE_UNIFORM_MAX_LENGTH_ARB => *value = longest_name(ctx, object),
+                api::GL_OBJECT_ACTIVE_UNIFORM_MAX_LENGTH_ARB => *value = longest_name(&ctx.share, &ctx.driver, object),
                 _ => {}
             }
         }
     };
     "glGetActiveUniform" get_active_uniform(program: u32, index: u32, room: i32, length: *mut i32, size: *mut i32, kind: *mut u32, name: *mut c_char) = |ctx, gl|
-        gl.get_active_uniform(program, shifted(ctx, program, index), room, length, size, kind, name);
+        gl.get_active_uniform(program, shifted(&ctx.share, program, index), room, length, size, kind, name);
     "glGetActiveUniformName" get_active_uniform_name(program: u32, index: u32, room: i32, length: *mut i32, name: *mut c_char) = |ctx, gl|
-        gl.get_active_uniform_name(program, shifted(ctx, program, index), room, length, name);
+        gl.get_active_uniform_name(program, shifted(&ctx.share, program, index), room, length, name);
     "glGetActiveUniformsiv" get_active_uniformsiv(program: u32, count: i32, indices: *const u32, what: u32, values: *mut i32) = |ctx, gl| {
-        if !own_uniforms(ctx, program).any() || indices.is_null() {
+        if !own_uniforms(&ctx.share, program).any() || indices.is_null() {
             gl.get_active_uniformsiv(program, count, indices, what, values);
         } else {
             let given = std::slice::from_raw_parts(indices, usize::try_from(count).unwrap_or(0));
-            let moved: Vec<u32> = given.iter().map(|i| shifted(ctx, program, *i)).collect();
+            let moved: Vec<u32> = given.iter().map(|i| shifted(&ctx.share, program, *i)).collect();
             gl.get_active_uniformsiv(program, count, moved.as_ptr(), what, values);
         }
     };
     "glGetUniformfv" get_uniformfv(program: u32, number: i32, values: *mut f32) = |ctx, gl|
-        gl.get_uniformfv(program, location(ctx, program, number), values);
+        gl.get_uniformfv(program, location(&ctx.share, &ctx.driver, program, number), values);
     "glGetUniformiv" get_uniformiv(program: u32, number: i32, values: *mut i32) = |ctx, gl|
-        gl.get_uniformiv(program, location(ctx, program, number), values);
+        gl.get_uniformiv(program, location(&ctx.share, &ctx.driver, program, number), values);
     "glGetUniformuiv" get_uniformuiv(program: u32, number: i32, values: *mut u32) = |ctx, gl|
-        gl.get_uniformuiv(program, location(ctx, program, number), values);
+        gl.get_uniformuiv(program, location(&ctx.share, &ctx.driver, program, number), values);
     "glGetUniformdv" get_uniformdv(program: u32, number: i32, values: *mut f64) = |ctx, gl|
-        gl.get_uniformdv(program, location(ctx, program, number), values);
+        gl.get_uniformdv(program, location(&ctx.share, &ctx.driver, program, number), values);
     "glGetnUniformfv" getn_uniformfv(program: u32, number: i32, room: i32, values: *mut f32) = |ctx, gl|
-        gl.getn_uniformfv(program, location(ctx, program, number), room, values);
+        gl.getn_uniformfv(program, location(&ctx.share, &ctx.driver, program, number), room, values);
     "glGetnUniformiv" getn_uniformiv(program: u32, number: i32, room: i32, values: *mut i32) = |ctx, gl|
-        gl.getn_uniformiv(program, location(ctx, program, number), room, values);
+        gl.getn_uniformiv(program, location(&ctx.share, &ctx.driver, program, number), room, values);
     "glGetnUniformuiv" getn_uniformuiv(program: u32, number: i32, room: i32, values: *mut u32) = |ctx, gl|
-        gl.getn_uniformuiv(program, location(ctx, program, number), room, values);
+        gl.getn_uniformuiv(program, location(&ctx.share, &ctx.driver, program, number), room, values);
     "glGetnUniformdv" getn_uniformdv(program: u32, number: i32, room: i32, values: *mut f64) = |ctx, gl|
-        gl.getn_uniformdv(program, location(ctx, program, number), room, values);
+        gl.getn_uniformdv(program, location(&ctx.share, &ctx.driver, program, number), room, values);
     "glGetUniformIndices" get_uniform_indices(program: u32, count: i32, names: *const *const c_char, indices: *mut u32) = |ctx, gl| {
         gl.get_uniform_indices(program, count, names, indices);
-        renumber(&own_uniforms(ctx, program), count, indices.cast());
+        renumber(&own_uniforms(&ctx.share, program), count, indices.cast());
     };
     "glGetActiveUniformBlockiv" get_active_uniform_blockiv(program: u32, block: u32, what: u32, values: *mut i32) = |ctx, gl| {
         gl.get_active_uniform_blockiv(program, block, what, values);
         if what == api::GL_UNIFORM_BLOCK_ACTIVE_UNIFORM_INDICES {
             let mut count = 0;
             gl.get_active_uniform_blockiv(program, block, api::GL_UNIFORM_BLOCK_ACTIVE_UNIFORMS, &mut count);
-            renumber(&own_uniforms(ctx, program), count, values);
+            renumber(&own_uniforms(&ctx.share, program), count, values);
         }
     };
     "glGetProgramInterfaceiv" get_program_interfaceiv(program: u32, interface: u32, name: u32, values: *mut i32) = |ctx, gl| {
         gl.get_program_interfaceiv(program, interface, name, values);
-        let ours = own_uniforms(ctx, program);
+        let ours = own_uniforms(&ctx.share, program);
         if interface == api::GL_UNIFORM && !values.is_null() && ours.any() {
             match name {
                 api::GL_ACTIVE_RESOURCES => *values -= ours.count(),
-                api::GL_MAX_NAME_LENGTH => *values = longest_name(ctx, program),
+                api::GL_MAX_NAME_LENGTH => *values = longest_name(&ctx.share, &ctx.driver, program),
                 _ => {}
             }
         }
     };
     "glGetProgramResourceIndex" get_program_resource_index(program: u32, interface: u32, name: *const c_char) -> u32 = |ctx, gl| {
         let index = gl.get_program_resource_index(program, interface, name);
-        if interface == api::GL_UNIFORM { own_uniforms(ctx, program).unshifted(index) } else { index }
+        if interface == api::GL_UNIFORM { own_uniforms(&ctx.share, program).unshifted(index) } else { index }
     };
     "glGetProgramResourceName" get_program_resource_name(program: u32, interface: u32, index: u32, room: i32, length: *mut i32, name: *mut c_char) = |ctx, gl|
-        gl.get_program_resource_name(program, interface, resource(ctx, program, interface, index), room, length, name);
+        gl.get_program_resource_name(program, interface, resource(&ctx.share, program, interface, index), room, length, name);
     "glGetProgramResourceiv" get_program_resourceiv(program: u32, interface: u32, index: u32, count: i32, what: *const u32, room: i32, length: *mut i32, values: *mut i32) = |ctx, gl| {
-        gl.get_program_resourceiv(program, interface, resource(ctx, program, interface, index), count, what, room, length, values);
+        gl.get_program_resourceiv(program, interface, resource(&ctx.share, program, interface, index), count, what, room, length, values);
         // Renumbers a block's list of uniforms only if it is the only question, as is usual.
         // Otherwise other values in the array would be changed.
         if count == 1 && !what.is_null() && *what == api::GL_ACTIVE_VARIABLES && interface == api::GL_UNIFORM_BLOCK {
             let mut one = 0;
             let of_block = [api::GL_NUM_ACTIVE_VARIABLES];
             gl.get_program_resourceiv(program, interface, index, 1, of_block.as_ptr(), 1, std::ptr::null_mut(), &mut one);
-            renumber(&own_uniforms(ctx, program), one.min(room), values);
+            renumber(&own_uniforms(&ctx.share, program), one.min(room), values);
         }
     };
     "glGetProgramBinary" get_program_binary(program: u32, room: i32, length: *mut i32, format: *mut u32, binary: *mut std::ffi::c_void) = |ctx, gl| {
-        if !own_uniforms(ctx, program).any() {
+        if !own_uniforms(&ctx.share, program).any() {
             gl.get_program_binary(program, room, length, format, binary);
         } else {
             // Drivers without a format for binaries report this error, and Cupola reports that

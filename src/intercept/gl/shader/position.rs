@@ -1,7 +1,7 @@
 //! Position of a program, proven from the text of its vertex shader.
 
 use crate::backend::gl::driver::api::Gl;
-use crate::intercept::gl::shader::source::prover::{self, Attribute, Proof};
+use crate::intercept::gl::shader::source::prover::{self, PositionArray, Proof};
 use crate::intercept::gl::state::shader::programs::{Array, Factor, Position};
 use crate::intercept::gl::state::shader::uniforms::Uniforms;
 use std::ffi::CString;
@@ -12,8 +12,8 @@ impl Position {
     pub fn of_shader(gl: &Gl, program: u32, source: &str, es_context: bool, uniforms: &Uniforms) -> Option<Self> {
         let Proof { factors, attribute, components } = prover::prove(source, es_context)?;
         let array = match attribute {
-            Attribute::Conventional => Array::Conventional,
-            Attribute::Named(name) => {
+            PositionArray::Conventional => Array::Conventional,
+            PositionArray::Named(name) => {
                 let name = CString::new(name).ok()?;
                 // SAFETY: a name that ends with NUL.
                 let location = unsafe { gl.get_attrib_location(program, name.as_ptr()) };

@@ -1,31 +1,34 @@
 //! Program pipelines: separable programs. The last program before rasterisation draws the view.
 
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::shader::programs;
+use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::programs::{Program, ProgramLens};
 use std::sync::Arc;
 
 /// Chooses the program that draws: the program in use, or else the pipeline's last program before
 /// rasterisation.
-pub fn choose(ctx: &mut Context) {
-    if ctx.shaders.used() != 0 {
-        ctx.shaders.choose(programs::record(&ctx.share, ctx.shaders.used()));
+pub fn choose(share: &ShareGroup, driver: &Driver, shaders: &mut Shaders) {
+    if shaders.used() != 0 {
+        shaders.choose(programs::record(share, shaders.used()));
         return;
     }
-    let names = ctx.shaders.stages().last_first();
+    let names = shaders.stages().last_first();
     let last = names.into_iter().find(|name| *name != 0).unwrap_or(0);
-    ctx.shaders.choose(programs::record(&ctx.share, last));
+    shaders.choose(programs::record(share, last));
     for earlier in names.into_iter().filter(|name| *name != 0 && *name != last) {
-        if let Some(program) = programs::record(&ctx.share, earlier) {
-            programs::send(ctx, &program, &crate::intercept::gl::state::shader::programs::IDENTITY);
+        if let Some(program) = programs::record(share, earlier) {
+            programs::send(driver, shaders, &program, &crate::intercept::gl::state::shader::programs::IDENTITY);
         }
     }
 }
 
 /// Returns the program that `glUniform` sets if no program is in use.
-pub fn active(ctx: &Context) -> Option<Arc<Program>> {
-    programs::record(&ctx.share, ctx.shaders.stages().active())
+pub fn active(share: &ShareGroup, shaders: &Shaders) -> Option<Arc<Program>> {
+    programs::record(share, shaders.stages().active())
 }
 
 /// Returns the lens of the present draw. In a pipeline it is that of the last program that has one.
@@ -47,13 +50,13 @@ hooks! {
     "glBindProgramPipeline" bind_program_pipeline(pipeline: u32) = |ctx, gl| {
         gl.bind_program_pipeline(pipeline);
         ctx.shaders.bind_pipeline(pipeline);
-        choose(ctx);
+        choose(&ctx.share, &ctx.driver, &mut ctx.shaders);
     };
     "glUseProgramStages" use_program_stages(pipeline: u32, stages: u32, program: u32) = |ctx, gl| {
         gl.use_program_stages(pipeline, stages, program);
         let present = programs::record(&ctx.share, program).map_or(0, |p| p.stages());
         ctx.shaders.set_stages(pipeline, stages, program, present);
-        choose(ctx);
+        choose(&ctx.share, &ctx.driver, &mut ctx.shaders);
     };
     "glActiveShaderProgram" active_shader_program(pipeline: u32, program: u32) = |ctx, gl| {
         gl.active_shader_program(pipeline, program);
@@ -66,6 +69,6 @@ hooks! {
                 ctx.shaders.delete_pipeline(*name);
             }
         }
-        choose(ctx);
+        choose(&ctx.share, &ctx.driver, &mut ctx.shaders);
     };
 }

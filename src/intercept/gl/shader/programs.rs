@@ -4,9 +4,13 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::gl_context::ShareGroup;
-use crate::intercept::gl::shader::attribute_matrices::{self, Found};
+use crate::intercept::gl::shader::attribute_matrices::{self, FoundLens};
 use crate::intercept::gl::shader::{assembly, camera_matrices, uniforms};
+use crate::intercept::gl::state::drawable::Drawable;
+use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::programs::{Program, ProgramLens};
+use crate::intercept::gl::state::vertex_input::VertexInput;
 use crate::intercept::gl::vertex_input::buffers;
 use crate::intercept::process::log;
 use crate::intercept::scene::lens::Told;
@@ -26,20 +30,20 @@ impl Program {
                 return ProgramLens::Perspective(Told::sure(intrinsics), "fixed-function matrix in a shader");
             }
         }
-        let (lens, known) = self.uniforms_lens(ctx);
+        let (lens, known) = self.uniforms_lens(&ctx.share, &ctx.driver, &ctx.vertex_input);
         if lens != ProgramLens::Flat {
             return lens;
         }
         let mut matrices = self.attribute_matrices.locked();
         if matrices.is_empty() {
-            return if known { lens } else { given(ctx) };
+            return if known { lens } else { given(&ctx.driver, &ctx.drawable) };
         }
         match attribute_matrices::lens(ctx, &mut matrices) {
-            Found::Lens(told) => ProgramLens::Perspective(told, "matrix of a vertex attribute"),
+            FoundLens::Lens(told) => ProgramLens::Perspective(told, "matrix of a vertex attribute"),
             _ if known => ProgramLens::Flat,
-            Found::Nothing => given(ctx),
-            Found::Unreadable => {
-                let lens = given(ctx);
+            FoundLens::Nothing => given(&ctx.driver, &ctx.drawable),
+            FoundLens::Unreadable => {
+                let lens = given(&ctx.driver, &ctx.drawable);
                 if ctx.session().and_then(Session::given_lens).is_none() {
                     log::once(
                         "a shader gets its matrix from a vertex attribute that cannot be read: its drawing appears flat. \
@@ -53,94 +57,99 @@ impl Program {
 
     /// Returns the lens in the present uniforms, and whether the uniforms are sufficient to decide
     /// this.
-    fn uniforms_lens(&self, ctx: &Context) -> (ProgramLens, bool) {
+    fn uniforms_lens(&self, share: &ShareGroup, driver: &Driver, vertex_input: &VertexInput) -> (ProgramLens, bool) {
         let mut uniforms = self.uniforms.locked();
         if !uniforms.any() && !self.fixed_matrices {
             return (ProgramLens::Flat, false);
         }
-        let generation = ctx.vertex_input.generation();
-        let lens = uniforms.lens(ctx.driver.gl, generation, &buffers::of(&ctx.share));
+        let generation = vertex_input.generation();
+        let lens = uniforms.lens(driver.gl, generation, &buffers::of(share));
         (lens, !uniforms.unclear)
     }
 }
 
 /// Returns the rig's lens, for draws with a depth test by a program without a matrix.
-pub fn given(ctx: &Context) -> ProgramLens {
-    match ctx.session().and_then(Session::given_lens) {
-        Some(lens) if ctx.driver.known_state.is_on(ctx.driver.gl, api::GL_DEPTH_TEST) => {
+pub fn given(driver: &Driver, drawable: &Drawable) -> ProgramLens {
+    match drawable.session().and_then(Session::given_lens) {
+        Some(lens) if driver.known_state.is_on(driver.gl, api::GL_DEPTH_TEST) => {
             ProgramLens::Perspective(Told::sure(lens), "the rig's lens")
         }
         _ => ProgramLens::Flat,
     }
 }
 
-/// Sends `rows` to the program in use, unless it has them already.
-pub fn upload(ctx: &Context, rows: &ReprojectionMatrix) {
-    if let Some(program) = ctx.shaders.assembly() {
-        assembly::upload(ctx, program, rows);
-    } else if let Some(program) = ctx.shaders.program() {
-        send(ctx, program, rows);
+/// Sends `reprojection` to the program in use, unless it has it already.
+pub fn upload(driver: &Driver, shaders: &Shaders, reprojection: &ReprojectionMatrix) {
+    if let Some(program) = shaders.assembly() {
+        assembly::upload(driver, program, reprojection);
+    } else if let Some(program) = shaders.program() {
+        send(driver, shaders, program, reprojection);
     }
 }
 
-/// Sends `rows` to a program, which is the one in use or part of a pipeline.
-pub fn send(ctx: &Context, program: &Program, rows: &ReprojectionMatrix) {
+/// Sends `reprojection` to a program, which is the one in use or part of a pipeline.
+pub fn send(driver: &Driver, shaders: &Shaders, program: &Program, reprojection: &ReprojectionMatrix) {
     if program.location < 0 {
         return;
     }
     let mut uploaded = program.uploaded.locked();
-    if uploaded.rows.as_ref() != Some(rows) {
-        set_vectors(ctx, program, program.location, &rows.to_array());
-        uploaded.rows = Some(*rows);
+    if uploaded.reprojection.as_ref() != Some(reprojection) {
+        set_vectors(driver, shaders, program, program.location, &reprojection.to_array());
+        uploaded.reprojection = Some(*reprojection);
     }
 }
 
-/// Sends the rows of a view to the program in use, and the lens if the rows lead to the axes of
+/// Sends the reprojection matrix of a view to the program in use, and the lens if the matrix leads to the axes of
 /// one.
-pub fn upload_view(ctx: &Context, rows: &ReprojectionMatrix, lens: Option<&LensConstants>) {
-    upload(ctx, rows);
-    let (Some(program), Some(lens)) = (ctx.shaders.program(), lens) else { return };
+pub fn upload_view(
+    driver: &Driver,
+    shaders: &Shaders,
+    reprojection: &ReprojectionMatrix,
+    lens: Option<&LensConstants>,
+) {
+    upload(driver, shaders, reprojection);
+    let (Some(program), Some(lens)) = (shaders.program(), lens) else { return };
     let mut uploaded = program.uploaded.locked();
     if program.lens_location >= 0 && uploaded.lens.as_ref() != Some(lens) {
-        set_vectors(ctx, program, program.lens_location, &lens.to_array());
+        set_vectors(driver, shaders, program, program.lens_location, &lens.to_array());
         uploaded.lens = Some(*lens);
     }
 }
 
 /// Sets vectors in a uniform of Cupola.
-pub(super) fn set_vectors(ctx: &Context, program: &Program, location: i32, vectors: &[f32]) {
+pub(super) fn set_vectors(driver: &Driver, shaders: &Shaders, program: &Program, location: i32, vectors: &[f32]) {
     let count = vectors.len() as i32 / 4;
     // SAFETY: the location is that of the array, of its second half or of a vector. If no program
     // is in use, there are pipelines, and with them the command that takes a program's name.
     unsafe {
-        if ctx.shaders.used() == program.name {
-            ctx.driver.gl.uniform4fv(location, count, vectors.as_ptr());
+        if shaders.used() == program.name {
+            driver.gl.uniform4fv(location, count, vectors.as_ptr());
         } else {
-            ctx.driver.gl.program_uniform4fv(program.name, location, count, vectors.as_ptr());
+            driver.gl.program_uniform4fv(program.name, location, count, vectors.as_ptr());
         }
     }
 }
 
 /// Sets a 4×4 matrix in a uniform of Cupola, given by columns.
-pub(super) fn set_matrix(ctx: &Context, program: &Program, location: i32, matrix: &[f32; 16]) {
+pub(super) fn set_matrix(driver: &Driver, shaders: &Shaders, program: &Program, location: i32, matrix: &[f32; 16]) {
     // SAFETY: the location is that of the matrix; the rest as for `set_vectors`.
     unsafe {
-        if ctx.shaders.used() == program.name {
-            ctx.driver.gl.uniform_matrix4fv(location, 1, 0, matrix.as_ptr());
+        if shaders.used() == program.name {
+            driver.gl.uniform_matrix4fv(location, 1, 0, matrix.as_ptr());
         } else {
-            ctx.driver.gl.program_uniform_matrix4fv(program.name, location, 1, 0, matrix.as_ptr());
+            driver.gl.program_uniform_matrix4fv(program.name, location, 1, 0, matrix.as_ptr());
         }
     }
 }
 
 /// Sets a number in a uniform of Cupola.
-pub(super) fn set_number(ctx: &Context, program: &Program, location: i32, number: f32) {
+pub(super) fn set_number(driver: &Driver, shaders: &Shaders, program: &Program, location: i32, number: f32) {
     // SAFETY: the location is that of the number; the rest as for `set_vectors`.
     unsafe {
-        if ctx.shaders.used() == program.name {
-            ctx.driver.gl.uniform1fv(location, 1, &number);
+        if shaders.used() == program.name {
+            driver.gl.uniform1fv(location, 1, &number);
         } else {
-            ctx.driver.gl.program_uniform1fv(program.name, location, 1, &number);
+            driver.gl.program_uniform1fv(program.name, location, 1, &number);
         }
     }
 }
@@ -151,9 +160,9 @@ pub fn record(share: &ShareGroup, name: u32) -> Option<Arc<Program>> {
 }
 
 /// Reads the matrices of `name` again after one of its blocks was bound elsewhere.
-pub fn read_again(ctx: &mut Context, name: u32) {
-    let Some(old) = record(&ctx.share, name) else { return };
-    let (gl, profile) = (ctx.driver.gl, &ctx.driver.profile);
+pub fn read_again(share: &ShareGroup, driver: &Driver, name: u32) {
+    let Some(old) = record(share, name) else { return };
+    let (gl, profile) = (driver.gl, &driver.profile);
     let (uniforms, _) = uniforms::read(gl, profile, name, old.position_names.as_ref());
     *old.uniforms.locked() = uniforms;
     if old.has_camera_matrices {
@@ -162,9 +171,9 @@ pub fn read_again(ctx: &mut Context, name: u32) {
 }
 
 /// Forgets all about a program.
-pub(super) fn forget_program(ctx: &Context, name: u32) {
-    let record = ctx.share.programs.locked().programs.remove(&name);
-    forget(ctx.driver.gl, record);
+pub(super) fn forget_program(share: &ShareGroup, driver: &Driver, name: u32) {
+    let record = share.programs.locked().programs.remove(&name);
+    forget(driver.gl, record);
 }
 
 /// Deletes the variants of a program that is no longer recorded.

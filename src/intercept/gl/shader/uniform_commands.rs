@@ -1,9 +1,10 @@
 //! Commands that set a program's matrices.
 
-use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::shader::uniforms::MOST_NAMED;
 use crate::intercept::gl::shader::{program_pipelines, programs};
+use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::programs::Program;
 use crate::intercept::process::call_sum;
 use crate::intercept::scene::lens::transposed;
@@ -60,30 +61,30 @@ unsafe fn note_vectors(program: Option<&Program>, location: i32, count: i32, val
 }
 
 /// Calls `note` with the program that `glUniform` sets.
-fn with_current<T>(ctx: &Context, note: impl FnOnce(Option<&Program>) -> T) -> T {
-    if ctx.shaders.used() != 0 {
-        note(ctx.shaders.program().map(|program| &**program))
+fn with_current<T>(share: &ShareGroup, shaders: &Shaders, note: impl FnOnce(Option<&Program>) -> T) -> T {
+    if shaders.used() != 0 {
+        note(shaders.program().map(|program| &**program))
     } else {
-        note(program_pipelines::active(ctx).as_deref())
+        note(program_pipelines::active(share, shaders).as_deref())
     }
 }
 
 hooks! {
     "glUniformMatrix4fv" uniform_matrix4fv(location: i32, count: i32, transpose: u8, value: *const f32) = |ctx, gl| {
         gl.uniform_matrix4fv(location, count, transpose, value);
-        with_current(ctx, |program| note(program, location, count, transpose, value));
+        with_current(&ctx.share, &ctx.shaders, |program| note(program, location, count, transpose, value));
     };
     "glUniformMatrix4dv" uniform_matrix4dv(location: i32, count: i32, transpose: u8, value: *const f64) = |ctx, gl| {
         gl.uniform_matrix4dv(location, count, transpose, value);
-        with_current(ctx, |program| note(program, location, count, transpose, value));
+        with_current(&ctx.share, &ctx.shaders, |program| note(program, location, count, transpose, value));
     };
     "glUniform4fv" uniform4fv(location: i32, count: i32, value: *const f32) = |ctx, gl| {
         gl.uniform4fv(location, count, value);
-        with_current(ctx, |program| note_vectors(program, location, count, value));
+        with_current(&ctx.share, &ctx.shaders, |program| note_vectors(program, location, count, value));
     };
     "glUniform4f" uniform4f(location: i32, x: f32, y: f32, z: f32, w: f32) = |ctx, gl| {
         gl.uniform4f(location, x, y, z, w);
-        with_current(ctx, |program| note_vectors(program, location, 1, [x, y, z, w].as_ptr()));
+        with_current(&ctx.share, &ctx.shaders, |program| note_vectors(program, location, 1, [x, y, z, w].as_ptr()));
     };
     "glProgramUniform4fv" program_uniform4fv(program: u32, location: i32, count: i32, value: *const f32) = |ctx, gl| {
         gl.program_uniform4fv(program, location, count, value);
@@ -103,10 +104,10 @@ hooks! {
     };
     "glUniformBlockBinding" uniform_block_binding(program: u32, block: u32, binding: u32) = |ctx, gl| {
         gl.uniform_block_binding(program, block, binding);
-        programs::read_again(ctx, program);
+        programs::read_again(&ctx.share, &ctx.driver, program);
     };
     "glShaderStorageBlockBinding" shader_storage_block_binding(program: u32, block: u32, binding: u32) = |ctx, gl| {
         gl.shader_storage_block_binding(program, block, binding);
-        programs::read_again(ctx, program);
+        programs::read_again(&ctx.share, &ctx.driver, program);
     };
 }

@@ -8,20 +8,21 @@ use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::vertex_input::VertexInput;
 use crate::intercept::gl::state::vertex_input::buffer_bindings::{TARGETS, place};
 use crate::intercept::gl::vertex_input::{buffers, vertex_arrays};
 
 /// Returns the buffer that is bound at `target`. `None`: bindings of this target are not followed.
-pub fn buffer(ctx: &mut Context, target: u32) -> Option<u32> {
+pub fn buffer(share: &ShareGroup, driver: &Driver, vertex_input: &mut VertexInput, target: u32) -> Option<u32> {
     if target == api::GL_ELEMENT_ARRAY_BUFFER {
-        return Some(vertex_arrays::elements(ctx));
+        return Some(vertex_arrays::elements(share, driver, vertex_input));
     }
     let place = place(target)?;
-    if let Some(name) = ctx.vertex_input.buffer_bindings.names[place] {
+    if let Some(name) = vertex_input.buffer_bindings.names[place] {
         return Some(name);
     }
-    let name = ask(&ctx.driver, &ctx.share, TARGETS[place].1);
-    ctx.vertex_input.buffer_bindings.names[place] = Some(name);
+    let name = ask(driver, share, TARGETS[place].1);
+    vertex_input.buffer_bindings.names[place] = Some(name);
     Some(name)
 }
 

@@ -7,8 +7,9 @@
 //! array may still hold the old buffer).
 
 use crate::backend::gl::driver::api;
-use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
+use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::vertex_input::VertexInput;
 use crate::intercept::gl::state::vertex_input::buffers::Buffers;
 use crate::intercept::gl::vertex_input::buffer_bindings;
@@ -31,8 +32,8 @@ pub fn written_by_device(share: &ShareGroup, name: u32) {
 
 /// Returns the buffer that is bound at `target`; 0 = none, or a target that is not followed.
 /// Buffers at such targets are not known any more.
-fn bound(ctx: &mut Context, target: u32) -> u32 {
-    buffer_bindings::buffer(ctx, target).unwrap_or(0)
+fn bound(share: &ShareGroup, driver: &Driver, vertex_input: &mut VertexInput, target: u32) -> u32 {
+    buffer_bindings::buffer(share, driver, vertex_input, target).unwrap_or(0)
 }
 
 /// True if the device may write to buffers that are bound at `target`.
@@ -50,12 +51,12 @@ fn is_written_to(target: u32) -> bool {
 
 /// Notes that the program wrote to the buffer at `target`. `new`: the buffer got new storage by
 /// that.
-fn changed(ctx: &mut Context, target: u32, new: bool) {
+fn changed(share: &ShareGroup, driver: &Driver, vertex_input: &mut VertexInput, target: u32, new: bool) {
     if target == api::GL_SHADER_STORAGE_BUFFER {
-        ctx.vertex_input.blocks.storage_changed();
+        vertex_input.blocks.storage_changed();
     }
-    let name = bound(ctx, target);
-    named_changed(&ctx.share, &mut ctx.vertex_input, name, new);
+    let name = bound(share, driver, vertex_input, target);
+    named_changed(share, vertex_input, name, new);
 }
 
 /// Notes that the program wrote to a buffer.
@@ -67,20 +68,20 @@ pub(super) fn named_changed(share: &ShareGroup, vertex_input: &mut VertexInput, 
 }
 
 /// Notes that a buffer is mapped for writing.
-pub(super) fn mapped(ctx: &mut Context, name: u32, access: u32) {
-    named_changed(&ctx.share, &mut ctx.vertex_input, name, false);
+pub(super) fn mapped(share: &ShareGroup, vertex_input: &mut VertexInput, name: u32, access: u32) {
+    named_changed(share, vertex_input, name, false);
     if access & api::GL_MAP_PERSISTENT_BIT != 0 {
-        of(&ctx.share).forget(name);
+        of(share).forget(name);
     }
 }
 
 /// Notes that a buffer got immutable storage.
-pub(super) fn stored(ctx: &mut Context, name: u32, flags: u32) {
-    named_changed(&ctx.share, &mut ctx.vertex_input, name, true);
+pub(super) fn stored(share: &ShareGroup, driver: &Driver, vertex_input: &mut VertexInput, name: u32, flags: u32) {
+    named_changed(share, vertex_input, name, true);
     // OpenGL ES reads a buffer by mapping it.
-    let unreadable = ctx.driver.profile.es && flags & api::GL_MAP_READ_BIT == 0;
+    let unreadable = driver.profile.es && flags & api::GL_MAP_READ_BIT == 0;
     if unreadable || flags & (api::GL_MAP_PERSISTENT_BIT | api::GL_SPARSE_STORAGE_BIT_ARB) != 0 {
-        of(&ctx.share).forget(name);
+        of(share).forget(name);
     }
 }
 
@@ -120,18 +121,18 @@ hooks! {
     "glBufferData" buffer_data(target: u32, size: isize, data: *const c_void, usage: u32) = |ctx, gl| {
         sum_up(size, data);
         gl.buffer_data(target, size, data, usage);
-        changed(ctx, target, true);
+        changed(&ctx.share, &ctx.driver, &mut ctx.vertex_input, target, true);
     };
     "glBufferStorage" buffer_storage(target: u32, size: isize, data: *const c_void, flags: u32) = |ctx, gl| {
         sum_up(size, data);
         gl.buffer_storage(target, size, data, flags);
-        let name = bound(ctx, target);
-        stored(ctx, name, flags);
+        let name = bound(&ctx.share, &ctx.driver, &mut ctx.vertex_input, target);
+        stored(&ctx.share, &ctx.driver, &mut ctx.vertex_input, name, flags);
     };
     "glBufferSubData" buffer_sub_data(target: u32, offset: isize, size: isize, data: *const c_void) = |ctx, gl| {
         sum_up(size, data);
         gl.buffer_sub_data(target, offset, size, data);
-        changed(ctx, target, false);
+        changed(&ctx.share, &ctx.driver, &mut ctx.vertex_input, target, false);
     };
     "glNamedBufferData" named_buffer_data(buffer: u32, size: isize, data: *const c_void, usage: u32) = |ctx, gl| {
         sum_up(size, data);
@@ -141,7 +142,7 @@ hooks! {
     "glNamedBufferStorage" named_buffer_storage(buffer: u32, size: isize, data: *const c_void, flags: u32) = |ctx, gl| {
         sum_up(size, data);
         gl.named_buffer_storage(buffer, size, data, flags);
-        stored(ctx, buffer, flags);
+        stored(&ctx.share, &ctx.driver, &mut ctx.vertex_input, buffer, flags);
     };
     "glNamedBufferSubData" named_buffer_sub_data(buffer: u32, offset: isize, size: isize, data: *const c_void) = |ctx, gl| {
         sum_up(size, data);
@@ -150,11 +151,11 @@ hooks! {
     };
     "glClearBufferData" clear_buffer_data(target: u32, internal: u32, format: u32, kind: u32, data: *const c_void) = |ctx, gl| {
         gl.clear_buffer_data(target, internal, format, kind, data);
-        changed(ctx, target, false);
+        changed(&ctx.share, &ctx.driver, &mut ctx.vertex_input, target, false);
     };
     "glClearBufferSubData" clear_buffer_sub_data(target: u32, internal: u32, offset: isize, size: isize, format: u32, kind: u32, data: *const c_void) = |ctx, gl| {
         gl.clear_buffer_sub_data(target, internal, offset, size, format, kind, data);
-        changed(ctx, target, false);
+        changed(&ctx.share, &ctx.driver, &mut ctx.vertex_input, target, false);
     };
     "glClearNamedBufferData" clear_named_buffer_data(buffer: u32, internal: u32, format: u32, kind: u32, data: *const c_void) = |ctx, gl| {
         gl.clear_named_buffer_data(buffer, internal, format, kind, data);
@@ -173,7 +174,7 @@ hooks! {
         named_changed(&ctx.share, &mut ctx.vertex_input, buffer, false);
     };
     "glMapBuffer" map_buffer(target: u32, access: u32) -> *mut c_void = |ctx, gl| {
-        changed(ctx, target, false);
+        changed(&ctx.share, &ctx.driver, &mut ctx.vertex_input, target, false);
         gl.map_buffer(target, access)
     };
     "glMapNamedBuffer" map_named_buffer(buffer: u32, access: u32) -> *mut c_void = |ctx, gl| {
@@ -181,16 +182,16 @@ hooks! {
         gl.map_named_buffer(buffer, access)
     };
     "glMapBufferRange" map_buffer_range(target: u32, offset: isize, length: isize, access: u32) -> *mut c_void = |ctx, gl| {
-        let name = bound(ctx, target);
-        mapped(ctx, name, access);
+        let name = bound(&ctx.share, &ctx.driver, &mut ctx.vertex_input, target);
+        mapped(&ctx.share, &mut ctx.vertex_input, name, access);
         gl.map_buffer_range(target, offset, length, access)
     };
     "glMapNamedBufferRange" map_named_buffer_range(buffer: u32, offset: isize, length: isize, access: u32) -> *mut c_void = |ctx, gl| {
-        mapped(ctx, buffer, access);
+        mapped(&ctx.share, &mut ctx.vertex_input, buffer, access);
         gl.map_named_buffer_range(buffer, offset, length, access)
     };
     "glUnmapBuffer" unmap_buffer(target: u32) -> u8 = |ctx, gl| {
-        changed(ctx, target, false);
+        changed(&ctx.share, &ctx.driver, &mut ctx.vertex_input, target, false);
         gl.unmap_buffer(target)
     };
     "glUnmapNamedBuffer" unmap_named_buffer(buffer: u32) -> u8 = |ctx, gl| {
@@ -199,7 +200,7 @@ hooks! {
     };
     "glCopyBufferSubData" copy_buffer_sub_data(read: u32, write: u32, from: isize, to: isize, size: isize) = |ctx, gl| {
         gl.copy_buffer_sub_data(read, write, from, to, size);
-        changed(ctx, write, false);
+        changed(&ctx.share, &ctx.driver, &mut ctx.vertex_input, write, false);
     };
     "glCopyNamedBufferSubData" copy_named_buffer_sub_data(read: u32, write: u32, from: isize, to: isize, size: isize) = |ctx, gl| {
         gl.copy_named_buffer_sub_data(read, write, from, to, size);
@@ -271,7 +272,7 @@ hooks! {
     };
     "glMakeBufferResidentNV" make_buffer_resident_nv(target: u32, access: u32) = |ctx, gl| {
         gl.make_buffer_resident_nv(target, access);
-        let name = bound(ctx, target);
+        let name = bound(&ctx.share, &ctx.driver, &mut ctx.vertex_input, target);
         written_by_device(&ctx.share, name);
     };
     "glMakeNamedBufferResidentNV" make_named_buffer_resident_nv(buffer: u32, access: u32) = |ctx, gl| {

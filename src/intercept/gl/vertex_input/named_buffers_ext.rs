@@ -13,7 +13,7 @@ hooks! {
     };
     "glNamedBufferStorageEXT" named_buffer_storage_ext(buffer: u32, size: isize, data: *const c_void, flags: u32) = |ctx, gl| {
         gl.named_buffer_storage_ext(buffer, size, data, flags);
-        stored(ctx, buffer, flags);
+        stored(&ctx.share, &ctx.driver, &mut ctx.vertex_input, buffer, flags);
     };
     "glNamedBufferSubDataEXT" named_buffer_sub_data_ext(buffer: u32, offset: isize, size: isize, data: *const c_void) = |ctx, gl| {
         gl.named_buffer_sub_data_ext(buffer, offset, size, data);
@@ -36,7 +36,7 @@ hooks! {
         gl.map_named_buffer_ext(buffer, access)
     };
     "glMapNamedBufferRangeEXT" map_named_buffer_range_ext(buffer: u32, offset: isize, length: isize, access: u32) -> *mut c_void = |ctx, gl| {
-        mapped(ctx, buffer, access);
+        mapped(&ctx.share, &mut ctx.vertex_input, buffer, access);
         gl.map_named_buffer_range_ext(buffer, offset, length, access)
     };
     "glUnmapNamedBufferEXT" unmap_named_buffer_ext(buffer: u32) -> u8 = |ctx, gl| {

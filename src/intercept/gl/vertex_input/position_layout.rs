@@ -1,8 +1,9 @@
 //! Layout in memory of the array of positions.
 
 use crate::backend::gl::driver::api;
-use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::shader::programs::Array;
+use crate::intercept::gl::state::vertex_input::VertexInput;
 use crate::intercept::gl::state::vertex_input::vertex_arrays::{Pointer, Source, width};
 use crate::intercept::gl::state::vertex_input::vertex_ranges::Layout;
 use crate::intercept::gl::vertex_input::vertex_arrays;
@@ -10,12 +11,12 @@ use crate::intercept::gl::vertex_input::vertex_arrays;
 impl Layout {
     /// Returns the layout that the program has set for `array`, with at most `components`
     /// components. `None`: the format or source of the array is not supported.
-    pub fn of(ctx: &mut Context, array: Array, components: usize) -> Option<Self> {
+    pub fn of(driver: &Driver, vertex_input: &mut VertexInput, array: Array, components: usize) -> Option<Self> {
         let layout = match array {
-            Array::Conventional => conventional(ctx)?,
-            Array::Generic(location) => generic(ctx, location)?,
+            Array::Conventional => conventional(driver, vertex_input)?,
+            Array::Generic(location) => generic(driver, vertex_input, location)?,
         };
-        let profile = &ctx.driver.profile;
+        let profile = &driver.profile;
         let given = layout.components;
         let signed = matches!(layout.kind, api::GL_BYTE | api::GL_SHORT | api::GL_INT);
         // Older versions convert signed integers by another rule.
@@ -29,18 +30,23 @@ impl Layout {
 
     /// Returns the layout of a generic attribute's value for an instance. `None`: the attribute is
     /// not an array with values per instance.
-    pub fn of_instances(ctx: &mut Context, location: u32, instance: usize) -> Option<Self> {
-        if !vertex_arrays::is_on(ctx, location) {
+    pub fn of_instances(
+        driver: &Driver,
+        vertex_input: &mut VertexInput,
+        location: u32,
+        instance: usize,
+    ) -> Option<Self> {
+        if !vertex_arrays::is_on(driver, vertex_input, location) {
             return None;
         }
-        let (format, source, divisor) = vertex_arrays::generic(ctx, location)?;
+        let (format, source, divisor) = vertex_arrays::generic(driver, vertex_input, location)?;
         width(format.kind).filter(|_| divisor > 0 && !format.integer && (1..=4).contains(&format.components))?;
         let layout = Self::at(source, format.components, format.kind, format.normalised);
         let start = if source.buffer == 0 {
             let mut start = std::ptr::null_mut();
             // SAFETY: writes one pointer.
             unsafe {
-                ctx.driver.gl.get_vertex_attrib_pointerv(location, api::GL_VERTEX_ATTRIB_ARRAY_POINTER, &mut start);
+                driver.gl.get_vertex_attrib_pointerv(location, api::GL_VERTEX_ATTRIB_ARRAY_POINTER, &mut start);
             }
             Some(start as usize).filter(|start| *start != 0)?
         } else {
@@ -79,22 +85,22 @@ impl Layout {
 
 /// Returns the layout of `glVertexPointer`. `None` also if generic attribute 0 is an array, since
 /// that is the position then.
-fn conventional(ctx: &mut Context) -> Option<Layout> {
-    let Pointer { components, kind, source } = vertex_arrays::conventional(ctx)?;
+fn conventional(driver: &Driver, vertex_input: &mut VertexInput) -> Option<Layout> {
+    let Pointer { components, kind, source } = vertex_arrays::conventional(driver, vertex_input)?;
     width(kind)?;
-    (!vertex_arrays::is_on(ctx, 0)).then_some(Layout::at(source, components, kind, false))
+    (!vertex_arrays::is_on(driver, vertex_input, 0)).then_some(Layout::at(source, components, kind, false))
 }
 
 /// Returns the layout of a generic attribute.
-fn generic(ctx: &mut Context, location: u32) -> Option<Layout> {
-    if !vertex_arrays::is_on(ctx, location) {
+fn generic(driver: &Driver, vertex_input: &mut VertexInput, location: u32) -> Option<Layout> {
+    if !vertex_arrays::is_on(driver, vertex_input, location) {
         return None;
     }
-    let (format, source, divisor) = vertex_arrays::generic(ctx, location)?;
+    let (format, source, divisor) = vertex_arrays::generic(driver, vertex_input, location)?;
     width(format.kind)?;
     // If attributes have bindings, OpenGL returns the offset as an integer that is too small for an
     // address.
-    let has_source = source.buffer != 0 || !vertex_arrays::has_bindings(&ctx.driver.profile);
+    let has_source = source.buffer != 0 || !vertex_arrays::has_bindings(&driver.profile);
     let usable = has_source && divisor == 0 && !format.integer;
     usable.then_some(Layout::at(source, format.components, format.kind, format.normalised))
 }

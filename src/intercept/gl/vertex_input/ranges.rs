@@ -6,10 +6,11 @@
 //! so a buffer is read only if it stayed unchanged for a frame.
 
 use crate::backend::gl::driver::api::{self, Gl};
-use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
+use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
+use crate::intercept::gl::state::vertex_input::VertexInput;
 use crate::intercept::gl::state::vertex_input::vertex_ranges::{Key, Known, Layout, MOST_RANGES, Ranges, Vertices};
 use crate::intercept::gl::vertex_input::buffers;
 
@@ -17,8 +18,15 @@ use crate::intercept::gl::vertex_input::buffers;
 pub const MOST_BYTES: usize = 64 << 20;
 
 /// Returns a box around `vertices` of an array in a buffer.
-pub fn around(ctx: &mut Context, layout: Layout, vertices: Vertices, indices: u32) -> Bounds {
-    let buffers = buffers::of(&ctx.share);
+pub fn around(
+    share: &ShareGroup,
+    driver: &Driver,
+    vertex_input: &mut VertexInput,
+    layout: Layout,
+    vertices: Vertices,
+    indices: u32,
+) -> Bounds {
+    let buffers = buffers::of(share);
     let Some((version, rests)) = buffers.content(layout.buffer) else { return Bounds::UNKNOWN };
     let (index_version, indices_rest) = match indices {
         0 => (0, true),
@@ -30,24 +38,23 @@ pub fn around(ctx: &mut Context, layout: Layout, vertices: Vertices, indices: u3
     let frame = buffers.frame();
     drop(buffers);
     let (key, versions) = (Key { layout, vertices, indices }, [version, index_version]);
-    if let Some(known) = ctx.vertex_input.ranges.known.get(&key).filter(|known| known.versions == versions) {
+    if let Some(known) = vertex_input.ranges.known.get(&key).filter(|known| known.versions == versions) {
         return known.bounds;
     }
     if !rests || !indices_rest {
         return Bounds::UNKNOWN;
     }
-    ctx.vertex_input.ranges.follow(frame);
-    if ctx.vertex_input.ranges.known.len() >= MOST_RANGES && !make_room(&ctx.share, &mut ctx.vertex_input.ranges) {
+    vertex_input.ranges.follow(frame);
+    if vertex_input.ranges.known.len() >= MOST_RANGES && !make_room(share, &mut vertex_input.ranges) {
         return Bounds::UNKNOWN;
     }
     let Some(bytes) = size(&layout, &vertices) else { return Bounds::UNKNOWN };
-    if !ctx.vertex_input.ranges.afford(bytes) {
+    if !vertex_input.ranges.afford(bytes) {
         return Bounds::UNKNOWN;
     }
-    let bounds =
-        read_bounds(ctx.driver.gl, &ctx.driver.profile, &layout, &vertices, indices).unwrap_or(Bounds::UNKNOWN);
-    ctx.vertex_input.ranges.reads += 1;
-    ctx.vertex_input.ranges.known.insert(key, Known { versions, bounds });
+    let bounds = read_bounds(driver.gl, &driver.profile, &layout, &vertices, indices).unwrap_or(Bounds::UNKNOWN);
+    vertex_input.ranges.reads += 1;
+    vertex_input.ranges.known.insert(key, Known { versions, bounds });
     bounds
 }
 

@@ -7,6 +7,7 @@
 use crate::backend::gl::driver::api;
 use crate::backend::gl::driver::values::integer;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::vertex_input::VertexInput;
@@ -30,9 +31,15 @@ fn attributes(driver: &Driver) -> u32 {
 }
 
 /// Returns the source that `pointer` describes. `None`: OpenGL refuses the call.
-fn source(ctx: &mut Context, stride: usize, pointer: *const c_void) -> Option<Source> {
-    let name = ctx.vertex_input.vertex_arrays.current()?.name;
-    let buffer = buffer_bindings::buffer(ctx, api::GL_ARRAY_BUFFER)?;
+fn source(
+    share: &ShareGroup,
+    driver: &Driver,
+    vertex_input: &mut VertexInput,
+    stride: usize,
+    pointer: *const c_void,
+) -> Option<Source> {
+    let name = vertex_input.vertex_arrays.current()?.name;
+    let buffer = buffer_bindings::buffer(share, driver, vertex_input, api::GL_ARRAY_BUFFER)?;
     // Vertex array objects cannot refer to arrays in the program's memory.
     (buffer != 0 || name == 0).then_some(Source { buffer, start: pointer as usize, stride })
 }
@@ -45,7 +52,11 @@ fn note_conventional(ctx: &mut Context, components: i32, kind: u32, stride: i32,
         && (0..=STRIDE).contains(&stride)
         && matches!(kind, api::GL_SHORT | api::GL_INT | api::GL_FLOAT | api::GL_DOUBLE);
     let components = components as usize;
-    let source = if legal { source(ctx, packed(stride as usize, components, kind), pointer) } else { None };
+    let source = if legal {
+        source(&ctx.share, &ctx.driver, &mut ctx.vertex_input, packed(stride as usize, components, kind), pointer)
+    } else {
+        None
+    };
     if let Some(object) = ctx.vertex_input.vertex_arrays.current() {
         object.conventional = source.map(|source| Pointer { components, kind, source });
     }
@@ -106,7 +117,11 @@ fn note_generic(
         && (0..=STRIDE).contains(&stride)
         && floats;
     let components = components as usize;
-    let source = if legal { source(ctx, packed(stride as usize, components, kind), pointer) } else { None };
+    let source = if legal {
+        source(&ctx.share, &ctx.driver, &mut ctx.vertex_input, packed(stride as usize, components, kind), pointer)
+    } else {
+        None
+    };
     let format = Format { components, kind, normalised, integer: false, binding: location, offset: 0 };
     let Some(object) = ctx.vertex_input.vertex_arrays.current() else { return };
     if let Some(attribute) = object.attribute(location) {

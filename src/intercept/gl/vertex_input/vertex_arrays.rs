@@ -7,7 +7,7 @@
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::values::integer;
-use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::vertex_input::VertexInput;
@@ -29,12 +29,12 @@ fn object<'a>(driver: &Driver, vertex_input: &'a mut VertexInput) -> &'a mut Obj
 }
 
 /// Returns the index buffer; 0 = none.
-pub fn elements(ctx: &mut Context) -> u32 {
-    if let Some(name) = object(&ctx.driver, &mut ctx.vertex_input).elements {
+pub fn elements(share: &ShareGroup, driver: &Driver, vertex_input: &mut VertexInput) -> u32 {
+    if let Some(name) = object(driver, vertex_input).elements {
         return name;
     }
-    let name = buffer_bindings::ask(&ctx.driver, &ctx.share, api::GL_ELEMENT_ARRAY_BUFFER_BINDING);
-    object(&ctx.driver, &mut ctx.vertex_input).elements = Some(name);
+    let name = buffer_bindings::ask(driver, share, api::GL_ELEMENT_ARRAY_BUFFER_BINDING);
+    object(driver, vertex_input).elements = Some(name);
     name
 }
 
@@ -46,9 +46,9 @@ pub fn note_elements(vertex_input: &mut VertexInput, name: Option<u32>) {
 }
 
 /// Returns the array of `glVertexPointer`, if it is enabled.
-pub fn conventional(ctx: &mut Context) -> Option<Pointer> {
-    let gl = ctx.driver.gl;
-    let object = object(&ctx.driver, &mut ctx.vertex_input);
+pub fn conventional(driver: &Driver, vertex_input: &mut VertexInput) -> Option<Pointer> {
+    let gl = driver.gl;
+    let object = object(driver, vertex_input);
     // SAFETY: asks for a switch; the context has a fixed-function pipeline.
     if !*object.conventional_on.get_or_insert_with(|| unsafe { gl.is_enabled(api::GL_VERTEX_ARRAY) } != 0) {
         return None;
@@ -72,17 +72,17 @@ fn ask_conventional(gl: &Gl) -> Option<Pointer> {
 }
 
 /// True if the array of a generic attribute is enabled.
-pub fn is_on(ctx: &mut Context, location: u32) -> bool {
-    let gl = ctx.driver.gl;
-    let attribute = object(&ctx.driver, &mut ctx.vertex_input).asked_attribute(location);
+pub fn is_on(driver: &Driver, vertex_input: &mut VertexInput, location: u32) -> bool {
+    let gl = driver.gl;
+    let attribute = object(driver, vertex_input).asked_attribute(location);
     *attribute.on.get_or_insert_with(|| ask(gl, location, api::GL_VERTEX_ATTRIB_ARRAY_ENABLED) != 0)
 }
 
 /// Returns the array of a generic attribute: its format, its source, and the number of instances
 /// after which it advances (0: never).
-pub fn generic(ctx: &mut Context, location: u32) -> Option<(Format, Source, i32)> {
-    let (gl, profile) = (ctx.driver.gl, ctx.driver.profile);
-    let object = object(&ctx.driver, &mut ctx.vertex_input);
+pub fn generic(driver: &Driver, vertex_input: &mut VertexInput, location: u32) -> Option<(Format, Source, i32)> {
+    let (gl, profile) = (driver.gl, driver.profile);
+    let object = object(driver, vertex_input);
     let attribute = object.asked_attribute(location);
     if attribute.format.is_none() {
         attribute.format = ask_format(gl, &profile, location);

@@ -67,8 +67,8 @@ pub(in crate::intercept::vk) fn write(
             let replaced = turned && (stage == MatrixStage::Fragment || outcome == DrawClass::Screen);
             let mut of_view = |lens: &Intrinsics| {
                 let index = frame.cameras.index(lens, &layout.session);
-                let rows = frame.cameras.get(index)?.rows.get(view)?;
-                Some(if group.facts.y_up { rows.matrix() } else { rows.y_down().matrix() })
+                let reprojection = frame.cameras.get(index)?.reprojections.get(view)?;
+                Some(if group.facts.y_up { reprojection.matrix() } else { reprojection.y_down().matrix() })
             };
             let CameraFunctions { seen, functions, eye } = &group.cameras;
             let Some((values, _)) = seen else { return };

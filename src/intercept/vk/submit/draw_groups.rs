@@ -171,11 +171,11 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     if group.last != Some(outcome) || functions_changed {
         group.last = Some(outcome);
         camera_matrices::write(device, group, outcome, &mut frame, chunks);
-        let rows = match camera {
-            Some(index) => frame.cameras.get(index).map(|camera| &camera.rows),
+        let of_views = match camera {
+            Some(index) => frame.cameras.get(index).map(|camera| &camera.reprojections),
             None => (outcome == DrawClass::Behind).then_some(&frame.behind),
         };
-        write(device, group, outcome, rows, chunks);
+        write(device, group, outcome, of_views, chunks);
     }
     if !group.indirect.is_empty() {
         let [issued, in_sight] = group.times();
@@ -254,22 +254,26 @@ fn write(
     chunks: &[ConstantChunk],
 ) {
     let mut in_sight = 1 << 63;
-    let mut slot = |index: u32, rows: &ReprojectionMatrix, lens: Option<&LensConstants>| {
-        if rows != &OUT_OF_SIGHT {
+    let mut slot = |index: u32, reprojection: &ReprojectionMatrix, lens: Option<&LensConstants>| {
+        if reprojection != &OUT_OF_SIGHT {
             in_sight |= 1u64.checked_shl(index).unwrap_or(0);
         }
         if let Some(chunk) = chunks.get(group.constants.chunk) {
-            chunk.write(group.constants.slot(index), &rows.to_array(), lens.map(LensConstants::to_array).as_ref());
+            chunk.write(
+                group.constants.slot(index),
+                &reprojection.to_array(),
+                lens.map(LensConstants::to_array).as_ref(),
+            );
         }
     };
     let views = &group.layout.views;
     for (index, view) in views.iter().enumerate().filter(|_| group.facts.in_views) {
         let lens = group.layout.lenses.get(index);
         let at = index as u32;
-        match of_views.and_then(|rows| rows.get(index)) {
+        match of_views.and_then(|of_views| of_views.get(index)) {
             _ if view.own_lens || outcome == DrawClass::Screen => slot(at, &IDENTITY, None),
-            Some(rows) if group.facts.y_up => slot(at, rows, lens),
-            Some(rows) => slot(at, &rows.y_down(), lens.map(LensConstants::y_down).as_ref()),
+            Some(reprojection) if group.facts.y_up => slot(at, reprojection, lens),
+            Some(reprojection) => slot(at, &reprojection.y_down(), lens.map(LensConstants::y_down).as_ref()),
             None => slot(at, &OUT_OF_SIGHT, None),
         }
     }

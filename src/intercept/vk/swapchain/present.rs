@@ -151,7 +151,7 @@ impl Presentation<'_> {
         let timed = self.settings.needs_statistics();
         // SAFETY: as promised.
         let made = unsafe { timed_make(self.device, self.queue, managed, index, self.waits, timed) };
-        if let Made::Submitted(signal) = made {
+        if let PictureOutcome::Submitted(signal) = made {
             self.submitted(Some(signal));
         }
         if publishing::wants(handle.as_raw()) {
@@ -162,7 +162,7 @@ impl Presentation<'_> {
             // SAFETY: as promised.
             unsafe { self.store(managed, index, timed) };
         }
-        !matches!(made, Made::Lost)
+        !matches!(made, PictureOutcome::Lost)
     }
 
     /// Notes a submission that waited for [`Presentation::waits`], and the semaphore that it
@@ -231,7 +231,7 @@ unsafe fn timed_make(
     index: usize,
     waits: &[vk::Semaphore],
     timed: bool,
-) -> Made {
+) -> PictureOutcome {
     let before = timed.then(thread_time);
     // SAFETY: as promised.
     let made = unsafe { make(device, queue, managed, index, waits) };
@@ -252,7 +252,7 @@ fn off_screen(device: &Device) -> OffScreen {
 }
 
 /// How the picture of a window was made.
-enum Made {
+enum PictureOutcome {
     /// Its commands were submitted; the semaphore is signalled when it can be presented.
     Submitted(vk::Semaphore),
     /// The program draws to the real image.
@@ -266,20 +266,26 @@ enum Made {
 ///
 /// # Safety
 /// As for [`present`].
-unsafe fn make(device: &Device, queue: Queue, managed: &mut Swapchain, index: usize, waits: &[vk::Semaphore]) -> Made {
+unsafe fn make(
+    device: &Device,
+    queue: Queue,
+    managed: &mut Swapchain,
+    index: usize,
+    waits: &[vk::Semaphore],
+) -> PictureOutcome {
     loop {
         let show = managed.show(index);
-        let Some((show, stand_in)) = show.zip(managed.stand_in.as_mut()) else { return Made::AsItIs };
+        let Some((show, stand_in)) = show.zip(managed.stand_in.as_mut()) else { return PictureOutcome::AsItIs };
         // SAFETY: as promised.
         match unsafe { stand_in.submit(device, queue, index, show, waits) } {
-            Ok(signal) => return Made::Submitted(signal),
+            Ok(signal) => return PictureOutcome::Submitted(signal),
             Err(error) if managed.failed => {
                 log::once(&format!(
                     "Vulkan: frames are lost until the program makes a new swapchain: {}",
                     error.message
                 ));
                 device.swapchains.given_up.store(true, Ordering::Relaxed);
-                return Made::Lost;
+                return PictureOutcome::Lost;
             }
             Err(error) => {
                 // Drawing that is recorded from now on goes to that picture, and not to views.

@@ -8,20 +8,22 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::context::own_calls::OwnCalls;
+use crate::intercept::gl::state::app::AppState;
+use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::process::log;
 
 /// Returns the parts of the atlas that an operation on the program's window affects: the whole
 /// atlas, or the parts of the program's own pictures within the scissor. As for clears, a scissor
 /// around most of the window counts as the whole window.
-fn parts(ctx: &Context) -> Vec<LowerLeftRect> {
-    let Some(target) = ctx.drawable.target() else { return Vec::new() };
+fn parts(app: &AppState, drawable: &Drawable) -> Vec<LowerLeftRect> {
+    let Some(target) = drawable.target() else { return Vec::new() };
     let window = target.size();
-    let part = ctx.app.scissor_test().then(|| ctx.app.scissor().moved_into(LowerLeftRect::of_size(window)));
+    let part = app.scissor_test().then(|| app.scissor().moved_into(LowerLeftRect::of_size(window)));
     if part.is_none_or(|part| part.is_most_of(window)) {
         return vec![LowerLeftRect::of_size(target.session.surface_size())];
     }
     let tiles = target.flat_tiles().into_iter().flatten();
-    tiles.map(|(tile, _)| ctx.app.scissor().moved_into(tile)).collect()
+    tiles.map(|(tile, _)| app.scissor().moved_into(tile)).collect()
 }
 
 /// Runs `work` with the accumulation buffer, which is created at its first use.
@@ -77,14 +79,14 @@ fn accumulate(ctx: &mut Context, name: u32, value: f32) {
         return;
     }
     ctx.note_drawn();
-    let parts = parts(ctx);
+    let parts = parts(&ctx.app, &ctx.drawable);
     with(ctx, |ctx, buffer| {
         if let Some(target) = ctx.drawable.target_mut().filter(|_| operation == Operation::Return) {
             target.content.forget();
         }
         let Some(target) = ctx.drawable.target() else { return };
         if operation != Operation::Return {
-            target.resolve(ctx, None);
+            target.resolve(&ctx.driver, &ctx.app, &ctx.drawable, None);
         }
         buffer.operate(ctx.driver.gl, operation, value, target.readable().texture(), target.framebuffer(), &parts);
     });
@@ -98,7 +100,7 @@ pub fn clear(ctx: &mut Context) {
     let mut colour = [0.0f32; 4];
     // SAFETY: writes four floats.
     unsafe { ctx.driver.gl.get_floatv(api::GL_ACCUM_CLEAR_VALUE, colour.as_mut_ptr()) };
-    let parts = parts(ctx);
+    let parts = parts(&ctx.app, &ctx.drawable);
     with(ctx, |ctx, buffer| buffer.clear(ctx.driver.gl, colour, &parts));
 }
 

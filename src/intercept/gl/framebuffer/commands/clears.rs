@@ -38,7 +38,7 @@ pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> b
         ctx.set_scissor(None);
         issue(gl);
         if let Some(depth) = cleared.depth {
-            unsampled_areas::close(ctx, depth);
+            unsampled_areas::close(&mut ctx.driver, &ctx.app, &ctx.drawable, &mut ctx.frame, depth);
         }
         if cleared.color {
             clear_panel(ctx);
@@ -110,13 +110,13 @@ pub fn clear_window(ctx: &mut Context, mask: u32) {
     replan::look(ctx, cleared, mask & api::GL_STENCIL_BUFFER_BIT != 0);
     // SAFETY: the program's own call.
     if clear_with(ctx, cleared, |gl| unsafe { gl.clear(mask) }) && color {
-        cleared_views::note_clear(ctx);
+        cleared_views::note_clear(&ctx.driver, &ctx.app, &mut ctx.drawable, &ctx.queries);
     }
 }
 
 hooks! {
     "glClear" clear(mask: u32) = |ctx, _gl| {
-        if ctx.compiling() { list_recording::record(ctx, Command::Clear(mask)) } else { clear_window(ctx, mask) }
+        if ctx.compiling() { list_recording::record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::Clear(mask)) } else { clear_window(ctx, mask) }
     };
     "glClearBufferfv" clear_bufferfv(buffer: u32, index: i32, value: *const f32) = |ctx, _gl|
         clear_by(ctx, Cleared::by_floats(buffer, index, value), buffer, value, move |gl, value| gl.clear_bufferfv(buffer, index, value));

@@ -14,6 +14,7 @@ use crate::intercept::gl::framebuffer::commands::{bindings, blits, clears, draw_
 use crate::intercept::gl::framebuffer::target::unsampled_areas::Cleared;
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::state::drawable::Drawable;
+use crate::intercept::gl::state::driver::Driver;
 
 /// Runs `run` with the program's framebuffers bound for drawing and reading; `None`: this binding
 /// does not change.
@@ -31,7 +32,7 @@ pub(super) fn bound<R>(
     };
     // The driver performs these commands at once while the program compiles a display list. What
     // Cupola calls for them must not become part of the list.
-    let compiling = list_recording::pause(ctx);
+    let compiling = list_recording::pause(&ctx.driver, &mut ctx.lists);
     change(ctx, api::GL_DRAW_FRAMEBUFFER, before[0], draw.unwrap_or(before[0]));
     change(ctx, api::GL_READ_FRAMEBUFFER, before[1], read.unwrap_or(before[1]));
     let answer = run(ctx);
@@ -39,7 +40,7 @@ pub(super) fn bound<R>(
     change(ctx, api::GL_DRAW_FRAMEBUFFER, now[0], before[0]);
     change(ctx, api::GL_READ_FRAMEBUFFER, now[1], before[1]);
     if compiling {
-        list_recording::go_on(ctx, None);
+        list_recording::go_on(&ctx.share, &ctx.driver, &mut ctx.lists, None);
     }
     answer
 }
@@ -50,15 +51,15 @@ pub(super) fn is_window(drawable: &Drawable, name: u32) -> bool {
 }
 
 /// Returns the driver's name of a framebuffer of the program.
-pub(super) fn real(ctx: &Context, name: u32) -> u32 {
-    ctx.drawable.target().filter(|_| name == 0).map_or(name, |target| target.framebuffer())
+pub(super) fn real(drawable: &Drawable, name: u32) -> u32 {
+    drawable.target().filter(|_| name == 0).map_or(name, |target| target.framebuffer())
 }
 
 /// True if the name is the window, or an object that exists: then a call to bind it creates no
 /// object.
-fn exists(ctx: &Context, name: u32) -> bool {
+fn exists(driver: &Driver, name: u32) -> bool {
     // SAFETY: a question about a name.
-    name == 0 || unsafe { ctx.driver.gl.is_framebuffer(name) } != 0
+    name == 0 || unsafe { driver.gl.is_framebuffer(name) } != 0
 }
 
 /// Defines all hooks of this file. The hooks of clears differ only in the types of their values, so
@@ -67,11 +68,11 @@ macro_rules! named_framebuffer_hooks {
     ($( $name:literal $method:ident $bound:ident ( $($p:ident: $t:ty),* ) by $how:ident; )*) => {
         hooks! {
             $( $name $method(framebuffer: u32, buffer: u32, $($p: $t),*) = |ctx, gl| {
-                if ctx.drawable.target().is_none() || !exists(ctx, framebuffer) {
+                if ctx.drawable.target().is_none() || !exists(&ctx.driver, framebuffer) {
                     gl.$method(framebuffer, buffer, $($p),*);
                 } else if ctx.compiling() {
                     // The older command would become part of the display list.
-                    gl.$method(real(ctx, framebuffer), buffer, $($p),*);
+                    gl.$method(real(&ctx.drawable, framebuffer), buffer, $($p),*);
                 } else {
                     bound(ctx, Some(framebuffer), None, |ctx| {
                         _ = clears::clear_with(ctx, Cleared::$how(buffer, $($p),*), |gl| gl.$bound(buffer, $($p),*));
@@ -102,10 +103,10 @@ macro_rules! named_framebuffer_hooks {
                 }
             };
             "glBlitNamedFramebuffer" blit_named_framebuffer(read: u32, draw: u32, x0: i32, y0: i32, x1: i32, y1: i32, u0: i32, v0: i32, u1: i32, v1: i32, mask: u32, filter: u32) = |ctx, gl| {
-                if ctx.drawable.target().is_none() || !exists(ctx, read) || !exists(ctx, draw) {
+                if ctx.drawable.target().is_none() || !exists(&ctx.driver, read) || !exists(&ctx.driver, draw) {
                     gl.blit_named_framebuffer(read, draw, x0, y0, x1, y1, u0, v0, u1, v1, mask, filter);
                 } else if ctx.compiling() {
-                    gl.blit_named_framebuffer(real(ctx, read), real(ctx, draw), x0, y0, x1, y1, u0, v0, u1, v1, mask, filter);
+                    gl.blit_named_framebuffer(real(&ctx.drawable, read), real(&ctx.drawable, draw), x0, y0, x1, y1, u0, v0, u1, v1, mask, filter);
                 } else {
                     let (source, destination) = (BlitRect::new(x0, y0, x1, y1), BlitRect::new(u0, v0, u1, v1));
                     bound(ctx, Some(draw), Some(read), |ctx| blits::blit(ctx, source, destination, mask, filter));
@@ -124,7 +125,7 @@ macro_rules! named_framebuffer_hooks {
                 gl.named_framebuffer_renderbuffer(framebuffer, attachment, kind, renderbuffer);
             };
             "glCheckNamedFramebufferStatus" check_named_framebuffer_status(framebuffer: u32, target: u32) -> u32 = |ctx, gl| {
-                gl.check_named_framebuffer_status(real(ctx, framebuffer), target)
+                gl.check_named_framebuffer_status(real(&ctx.drawable, framebuffer), target)
             };
             "glGetNamedFramebufferAttachmentParameteriv" get_named_framebuffer_attachment_parameteriv(framebuffer: u32, attachment: u32, name: u32, values: *mut i32) = |ctx, gl| {
                 if is_window(&ctx.drawable, framebuffer) {

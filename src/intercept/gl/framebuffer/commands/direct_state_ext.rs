@@ -33,7 +33,7 @@ hooks! {
         }
     };
     "glCheckNamedFramebufferStatusEXT" check_named_framebuffer_status_ext(framebuffer: u32, target: u32) -> u32 = |ctx, gl| {
-        gl.check_named_framebuffer_status_ext(real(ctx, framebuffer), target)
+        gl.check_named_framebuffer_status_ext(real(&ctx.drawable, framebuffer), target)
     };
     "glGetNamedFramebufferAttachmentParameterivEXT" get_named_framebuffer_attachment_parameteriv_ext(framebuffer: u32, attachment: u32, name: u32, values: *mut i32) = |ctx, gl| {
         if is_window(&ctx.drawable, framebuffer) {

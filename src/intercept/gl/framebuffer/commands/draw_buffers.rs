@@ -125,10 +125,10 @@ pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const
 
 hooks! {
     "glDrawBuffer" draw_buffer(buffer: u32) = |ctx, _gl| {
-        if ctx.compiling() { list_recording::record(ctx, Command::DrawBuffer(buffer)) } else { select_draw_buffer(ctx, buffer) }
+        if ctx.compiling() { list_recording::record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::DrawBuffer(buffer)) } else { select_draw_buffer(ctx, buffer) }
     };
     "glReadBuffer" read_buffer(buffer: u32) = |ctx, _gl| {
-        if ctx.compiling() { list_recording::record(ctx, Command::ReadBuffer(buffer)) } else { select_read_buffer(ctx, buffer) }
+        if ctx.compiling() { list_recording::record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::ReadBuffer(buffer)) } else { select_read_buffer(ctx, buffer) }
     };
     "glDrawBuffers" draw_buffers(count: i32, buffers: *const u32) = |ctx, _gl| {
         if buffers.is_null() || !(0..=16).contains(&count) {

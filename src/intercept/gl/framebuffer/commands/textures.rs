@@ -36,7 +36,7 @@ fn lacks_alpha(ctx: &Context, format: u32) -> bool {
 
 /// Handles a call that sets the size of a texture level. `filled`: the call also sets its texels.
 fn specified(ctx: &mut Context, texture: u32, level: i32, size: [i32; 2], issue: impl FnOnce(), filled: bool) {
-    let same = texture != 0 && view_copies::is_alike(ctx, texture, level, size);
+    let same = texture != 0 && view_copies::is_alike(&ctx.view_copies, texture, level, size);
     if texture != 0 && !same {
         view_copies::forget_texture(ctx, texture);
     }
@@ -153,7 +153,7 @@ hooks! {
                 return;
             }
             let texture = sampling::bound(&ctx.driver, target);
-            if texture != 0 && !view_copies::is_alike(ctx, texture, level, [w, h]) {
+            if texture != 0 && !view_copies::is_alike(&ctx.view_copies, texture, level, [w, h]) {
                 view_copies::forget_texture(ctx, texture);
             }
             copied(ctx, texture, level, [0, 0], LowerLeftRect::new(x, y, w, h), |ctx| {

@@ -9,6 +9,7 @@ use crate::error::Result;
 use crate::intercept::gl::context::errors::take_own_errors;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::framebuffer::reading::{first_read_color, first_read_depth};
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::frame::Frame;
 use crate::intercept::process::log;
 use crate::rig::{Camera, Filter, Transfer};
@@ -27,11 +28,11 @@ pub fn fill_primary(ctx: &mut Context) {
     }
     if let (Some(tile), Some(directions)) = (target.primary(), directions) {
         let plan = own_picture(&ctx.frame, &target.session, directions);
-        target.resolve(ctx, Some(LowerLeftRect::of_size(plan.views.atlas)));
+        target.resolve(&ctx.driver, &ctx.app, &ctx.drawable, Some(LowerLeftRect::of_size(plan.views.atlas)));
         if !target.lenses.is_empty() {
             // These views are pictures of outputs, which a pass cannot sample.
             first_read_color::fill(&ctx.driver, &target, directions);
-        } else if let Err(error) = copy(ctx, &plan, target.texture(), target.framebuffer(), tile) {
+        } else if let Err(error) = copy(&ctx.driver, &plan, target.texture(), target.framebuffer(), tile) {
             log::once(&format!("the first picture that the program reads is black: {error}"));
         }
         first_read_depth::fill(&ctx.driver, &ctx.frame, &target, directions);
@@ -109,14 +110,14 @@ pub(in crate::intercept::gl) fn own_picture(frame: &Frame, session: &Session, di
 }
 
 pub(in crate::intercept::gl) fn copy(
-    ctx: &Context,
+    driver: &Driver,
     plan: &Plan,
     atlas: u32,
     framebuffer: u32,
     tile: LowerLeftRect,
 ) -> Result<()> {
-    let gl = ctx.driver.gl;
-    let mut backend = GlBackend::new(gl, ctx.driver.profile.es)?.with_cache(gl, crate::runtime::cache::of_process());
+    let gl = driver.gl;
+    let mut backend = GlBackend::new(gl, driver.profile.es)?.with_cache(gl, crate::runtime::cache::of_process());
     backend.prepare(gl, plan, plan.views.panel.is_some())?;
     let LowerLeftRect { width, height, .. } = tile;
     let whole = LowerLeftRect::new(0, 0, width, height);

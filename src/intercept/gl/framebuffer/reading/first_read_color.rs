@@ -52,7 +52,7 @@ pub fn fill_flat(ctx: &Context, target: &DefaultFramebuffer) {
     let Some(primary) = target.primary() else { return };
     let [width, height] = primary.size();
     let atlas = target.readable_framebuffer();
-    target.resolve(ctx, Some(LowerLeftRect::of_size(session.plan().views.atlas)));
+    target.resolve(&ctx.driver, &ctx.app, &ctx.drawable, Some(LowerLeftRect::of_size(session.plan().views.atlas)));
     let tile = session.tile(0).0;
     let centre = LowerLeftRect::new(tile.x + tile.width / 2, tile.y + tile.height / 2, 1, 1);
     let [cleared] = first_read_depth::read(gl, atlas, centre, Content::Color)[..] else { return };

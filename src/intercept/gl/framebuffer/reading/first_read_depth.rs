@@ -43,17 +43,18 @@ pub fn fill(driver: &Driver, frame: &Frame, target: &DefaultFramebuffer, directi
             }
         }
     }
-    let rows: Vec<ClipRows> = target.session.rows(&lens).collect();
+    let reprojections: Vec<ClipRows> = target.session.rows(&lens).collect();
     let texel = |column: i32, line: i32| {
         let place = |i: i32, size: i32| (f64::from(i) + 0.5) * 2.0 / f64::from(size) - 1.0;
         let direction = directions * DVec3::new(place(column, width), place(line, height), 1.0);
-        let views = plan.views.views.iter().zip(&rows);
-        let (rows, farther, texel) = views.filter(|(view, _)| !view.program_lens).find_map(|(view, rows)| {
-            let (texel, farther) = find(view, direction)?;
-            Some((rows, farther, texel))
-        })?;
+        let views = plan.views.views.iter().zip(&reprojections);
+        let (reprojection, farther, texel) =
+            views.filter(|(view, _)| !view.program_lens).find_map(|(view, reprojection)| {
+                let (texel, farther) = find(view, direction)?;
+                Some((reprojection, farther, texel))
+            })?;
         let value = *atlas.get(texel.1 as usize * plan.views.atlas.0 as usize + texel.0 as usize)?;
-        Some(depths.own(value, rows, farther))
+        Some(depths.own(value, reprojection, farther))
     };
     let pixels: Vec<u32> = (0..height)
         .flat_map(|line| (0..width).map(move |column| (column, line)))
@@ -136,7 +137,7 @@ impl Depths {
     /// Returns the value that the program's own picture stores for `texel` of a view. `farther`:
     /// ratio of the point's depth along the view's axis to its depth along the program's axis. The
     /// value of a cleared texel does not change.
-    fn own(&self, texel: u32, rows: &ClipRows, farther: f64) -> u32 {
+    fn own(&self, texel: u32, reprojection: &ClipRows, farther: f64) -> u32 {
         let (depth, stencil) = (texel >> 8, texel & 0xff);
         if depth == 0 || depth == DEEPEST {
             return texel;
@@ -144,7 +145,7 @@ impl Depths {
         let [near, far] = self.range;
         let normalised =
             self.least + (f64::from(depth) / f64::from(DEEPEST) - near) / (far - near) * (1.0 - self.least);
-        let own = rows.own_depth(normalised, farther);
+        let own = reprojection.own_depth(normalised, farther);
         let stored = near + (own - self.least) / (1.0 - self.least) * (far - near);
         ((stored * f64::from(DEEPEST)).round().clamp(0.0, f64::from(DEEPEST)) as u32) << 8 | stencil
     }

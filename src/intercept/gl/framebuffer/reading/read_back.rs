@@ -13,7 +13,9 @@ use crate::intercept::gl::framebuffer::reading::first_read;
 use crate::intercept::gl::framebuffer::reading::resolve::make_ready;
 use crate::intercept::gl::framebuffer::target::enlarge::enlarge;
 use crate::intercept::gl::offscreen::view_copies;
+use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::gl::state::driver::Driver;
 use std::ffi::c_void;
 
 /// Binds the framebuffer for the program's reads of `part` of its window. Returns the origin of the
@@ -53,10 +55,10 @@ pub fn read<R>(ctx: &mut Context, part: LowerLeftRect, alpha: bool, issue: impl 
     }
     // A read during compilation is not part of the display list. The calls that prepare it must not
     // become part of the list either.
-    let compiling = list_recording::pause(ctx);
+    let compiling = list_recording::pause(&ctx.driver, &mut ctx.lists);
     let origin = prepare(ctx, part, alpha);
     if compiling {
-        list_recording::go_on(ctx, None);
+        list_recording::go_on(&ctx.share, &ctx.driver, &mut ctx.lists, None);
     }
     let answer = issue(x + origin[0], y + origin[1]);
     finish(ctx);
@@ -73,10 +75,10 @@ fn cut(ctx: &Context, part: LowerLeftRect) -> Option<LowerLeftRect> {
 
 /// Performs a copy from the window's own framebuffer, which has no drawing of the program. Returns
 /// true if the driver refuses it, and notes the error.
-fn is_refused(ctx: &mut Context, issue: impl FnOnce()) -> bool {
-    let gl = ctx.driver.gl;
-    let Some(framebuffer) = ctx.drawable.target().map(|target| target.framebuffer()) else { return false };
-    ctx.driver.take_errors();
+fn is_refused(driver: &mut Driver, drawable: &Drawable, issue: impl FnOnce()) -> bool {
+    let gl = driver.gl;
+    let Some(framebuffer) = drawable.target().map(|target| target.framebuffer()) else { return false };
+    driver.take_errors();
     // SAFETY: the binding is put back.
     let error = unsafe {
         gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0);
@@ -85,7 +87,7 @@ fn is_refused(ctx: &mut Context, issue: impl FnOnce()) -> bool {
         gl.get_error()
     };
     if error != api::GL_NO_ERROR {
-        ctx.driver.note_error(error);
+        driver.note_error(error);
     }
     error != api::GL_NO_ERROR
 }
@@ -94,7 +96,7 @@ fn is_refused(ctx: &mut Context, issue: impl FnOnce()) -> bool {
 pub fn copy_part(ctx: &mut Context, part: LowerLeftRect, issue: impl Fn(LowerLeftRect, [i32; 2])) {
     let inside = match cut(ctx, part) {
         // The driver does not see the whole rectangle, so it cannot refuse it.
-        Some(_) if is_refused(ctx, || issue(part, [0, 0])) => return,
+        Some(_) if is_refused(&mut ctx.driver, &ctx.drawable, || issue(part, [0, 0])) => return,
         inside => inside.unwrap_or(part),
     };
     let moved = [inside.x - part.x, inside.y - part.y];

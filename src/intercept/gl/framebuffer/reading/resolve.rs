@@ -5,7 +5,10 @@ use crate::backend::gl::objects::framebuffers::blit;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
+use crate::intercept::gl::state::app::AppState;
+use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::drawable::default_framebuffer::{DefaultFramebuffer, Ready};
+use crate::intercept::gl::state::driver::Driver;
 
 /// Resolves the samples of `part` and, if the window has no alpha, sets alpha to 1. Does each only
 /// if it is needed and not yet done.
@@ -19,7 +22,7 @@ pub fn make_ready(ctx: &mut Context, part: LowerLeftRect, alpha: bool) {
     }
     let ctx: &mut Context = &mut OwnCalls::begin(ctx);
     if let Some(target) = ctx.drawable.target() {
-        target.resolve(ctx, Some(part));
+        target.resolve(&ctx.driver, &ctx.app, &ctx.drawable, Some(part));
     }
     if opaque {
         make_opaque(ctx, part);
@@ -56,15 +59,14 @@ fn make_opaque(ctx: &mut Context, part: LowerLeftRect) {
 
 impl DefaultFramebuffer {
     /// Resolves the samples of `part`, or of the whole atlas. Restores the program's bindings.
-    pub fn resolve(&self, ctx: &Context, part: Option<LowerLeftRect>) {
+    pub fn resolve(&self, driver: &Driver, app: &AppState, drawable: &Drawable, part: Option<LowerLeftRect>) {
         let Some(resolved) = &self.resolved else { return };
         self.ready.set(None);
-        let gl = ctx.driver.gl;
+        let gl = driver.gl;
         let (width, height) = self.surface.size();
         let rect = part.unwrap_or(LowerLeftRect::new(0, 0, width, height)).corners();
         let real = |name: u32| if name == 0 { self.framebuffer() } else { name };
-        let reads =
-            if ctx.drawable.reads_elsewhere() { ctx.app.read_framebuffer() } else { real(ctx.app.read_framebuffer()) };
+        let reads = if drawable.reads_elsewhere() { app.read_framebuffer() } else { real(app.read_framebuffer()) };
         // SAFETY: copies between framebuffers of Cupola; scissor and bindings are put back.
         unsafe {
             let scissor = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
@@ -79,7 +81,7 @@ impl DefaultFramebuffer {
                 blit(gl, rect, rect, depth, api::GL_NEAREST);
             }
             gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, reads);
-            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, real(ctx.app.draw_framebuffer()));
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, real(app.draw_framebuffer()));
             if scissor {
                 gl.enable(api::GL_SCISSOR_TEST);
             }

@@ -11,6 +11,7 @@ use crate::intercept::gl::per_view::panel::clear_transparent;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::drawable::window::{Look, Window};
 use crate::intercept::gl::state::drawable::window_config::Config;
+use crate::intercept::gl::state::frame::Frame;
 use crate::intercept::process::live::{self, Live};
 use crate::intercept::process::{log, settings};
 use crate::rig::Rig;
@@ -39,12 +40,12 @@ fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings,
 
 /// Uses the present rig in the same stand-in if nothing but the adaptation of the program's camera
 /// is new, which has no effect on the views. Returns false if more is new.
-fn follows_camera(ctx: &mut Context, target: &mut DefaultFramebuffer, live: Live) -> bool {
+fn follows_camera(frame: &mut Frame, target: &mut DefaultFramebuffer, live: Live) -> bool {
     if *target.rig != (Rig { camera: target.rig.camera, ..(*live.rig).clone() }) {
         return false;
     }
     // Publishing holds a session only to recognise it.
-    let held = ctx.frame.publishing.as_mut().map(|publishing| &mut publishing.session);
+    let held = frame.publishing.as_mut().map(|publishing| &mut publishing.session);
     let held = held.filter(|held| held.as_ref().is_some_and(|session| Arc::ptr_eq(session, &target.session)));
     let mut unused = None;
     let held = held.unwrap_or(&mut unused);
@@ -90,7 +91,7 @@ pub fn follow_rig(ctx: &mut Context) {
     let (Some(settings), Some(window)) = (settings::settings(), ctx.drawable.window().cloned()) else { return };
     let Some(mut old) = ctx.drawable.take_target() else { return };
     ctx.driver.take_errors();
-    if old.next.is_none() && live::rig().is_some_and(|live| follows_camera(ctx, &mut old, live)) {
+    if old.next.is_none() && live::rig().is_some_and(|live| follows_camera(&mut ctx.frame, &mut old, live)) {
         view_copies::clear(ctx);
         ctx.drawable.put_target(old);
         start_again(ctx);

@@ -7,7 +7,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::methods;
 use crate::intercept::gl::framebuffer::target::unsampled_areas;
-use crate::intercept::gl::state::drawable::cleared_views::Content;
+use crate::intercept::gl::state::drawable::cleared_views::ViewContents;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::drawable::window::Window;
 use crate::intercept::gl::state::drawable::window_config::Config;
@@ -70,7 +70,7 @@ const STEP: Duration = Duration::from_millis(20);
 
 /// Plans `rig` for a window.
 fn plan(ctx: &Context, rig: &Rig, window: &Window, settings: &settings::Settings, extras: Extras) -> Result<Session> {
-    let planner = methods::planner(ctx, rig);
+    let planner = methods::planner(&ctx.projected, rig);
     let mut session = planner(rig, window.size(), settings.offscreen, greatest_texture(ctx.driver.gl), extras)?;
     let perspective = session.views().iter().all(|view| !view.program_lens && view.curved.is_none());
     if rig.views.duplicate == Duplicate::InTurn && perspective {
@@ -172,7 +172,7 @@ impl DefaultFramebuffer {
             resolved,
             collected,
             backend,
-            content: Content::default(),
+            content: ViewContents::default(),
             ready: Cell::new(None),
             issued,
             culled,

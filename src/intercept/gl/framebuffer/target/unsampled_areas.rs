@@ -15,6 +15,10 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::{self, Plan};
 use crate::intercept::gl::context::errors::take_own_errors;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::state::app::AppState;
+use crate::intercept::gl::state::drawable::Drawable;
+use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::frame::Frame;
 use crate::intercept::process::log;
 use crate::intercept::process::settings::{self, Mask};
 use crate::runtime::cache;
@@ -95,21 +99,21 @@ fn worthwhile(mask: Mask, unsampled: u64, all: u64) -> bool {
 }
 
 /// Closes the unsampled areas after the program has cleared all of its window's depth to `cleared`.
-pub fn close(ctx: &mut Context, cleared: f32) {
+pub fn close(driver: &mut Driver, app: &AppState, drawable: &Drawable, frame: &mut Frame, cleared: f32) {
     // Transform feedback without a pause would record Cupola's rectangles.
-    if ctx.drawable.target().is_none_or(|t| t.closed().is_empty())
-        || ctx.app.feedback() && !ctx.driver.gl.has_pause_transform_feedback()
+    if drawable.target().is_none_or(|t| t.closed().is_empty())
+        || app.feedback() && !driver.gl.has_pause_transform_feedback()
     {
         return;
     }
-    ctx.driver.take_errors();
-    if let Some(target) = ctx.drawable.target() {
-        let texels = target.backend().close_unsampled(ctx.driver.gl, cleared, &ctx.driver.known_state);
+    driver.take_errors();
+    if let Some(target) = drawable.target() {
+        let texels = target.backend().close_unsampled(driver.gl, cleared, &driver.known_state);
         if texels > 0 {
-            ctx.frame.note_closing();
+            frame.note_closing();
         }
     }
-    take_own_errors(&mut ctx.driver);
+    take_own_errors(driver);
 }
 
 #[cfg(test)]

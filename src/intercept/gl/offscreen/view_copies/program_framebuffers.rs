@@ -7,6 +7,8 @@ use crate::intercept::gl::context::errors::drop_errors;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::view_copies::{copy_count, leave, make_view_copy, possible};
 use crate::intercept::gl::per_view::window_space::own_window_space;
+use crate::intercept::gl::state::app::AppState;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::offscreen::framebuffers::{self, Framebuffer};
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use crate::intercept::process::log;
@@ -33,28 +35,32 @@ pub(in crate::intercept::gl::offscreen) fn look(ctx: &mut Context) -> usize {
 
 /// Examines the attachments of the program's read framebuffer, if compute shaders may have written
 /// its images. In that case no draw has examined it.
-pub(in crate::intercept::gl::offscreen) fn look_at_read(ctx: &mut Context) {
-    let name = ctx.app.read_framebuffer();
-    if !ctx.view_copies.computes || name == 0 || name == ctx.app.draw_framebuffer() {
+pub(in crate::intercept::gl::offscreen) fn look_at_read(
+    driver: &mut Driver,
+    app: &AppState,
+    view_copies: &mut ViewCopies,
+) {
+    let name = app.read_framebuffer();
+    if !view_copies.computes || name == 0 || name == app.draw_framebuffer() {
         return;
     }
-    let index = ctx.view_copies.position(name).unwrap_or_else(|| {
-        ctx.view_copies.framebuffers.push(Framebuffer::new(name));
-        ctx.view_copies.framebuffers.len() - 1
+    let index = view_copies.position(name).unwrap_or_else(|| {
+        view_copies.framebuffers.push(Framebuffer::new(name));
+        view_copies.framebuffers.len() - 1
     });
-    if ctx.view_copies.framebuffers[index].known {
+    if view_copies.framebuffers[index].known {
         return;
     }
-    ctx.driver.take_errors();
-    let ViewCopies { framebuffers, images, .. } = &mut ctx.view_copies;
+    driver.take_errors();
+    let ViewCopies { framebuffers, images, .. } = view_copies;
     // SAFETY: a framebuffer of the program; the bindings are put back.
     unsafe {
-        let bindings = FramebufferBindings::save(ctx.driver.gl);
-        ctx.driver.gl.bind_framebuffer(crate::backend::gl::driver::api::GL_DRAW_FRAMEBUFFER, name);
-        framebuffers[index].examine(ctx.driver.gl, images);
-        bindings.restore(ctx.driver.gl);
+        let bindings = FramebufferBindings::save(driver.gl);
+        driver.gl.bind_framebuffer(crate::backend::gl::driver::api::GL_DRAW_FRAMEBUFFER, name);
+        framebuffers[index].examine(driver.gl, images);
+        bindings.restore(driver.gl);
     }
-    drop_errors(ctx.driver.gl);
+    drop_errors(driver.gl);
 }
 
 /// Replaces the program's draw framebuffer, which is at `index`, by its view copy. Returns false if
@@ -102,7 +108,7 @@ pub(in crate::intercept::gl::offscreen) fn make_framebuffer(ctx: &mut Context, i
 /// Runs a clear of a framebuffer of the program. Returns false if the framebuffer is drawn only
 /// once.
 pub fn clear_with(ctx: &mut Context, issue: &dyn Fn(&Gl)) -> bool {
-    if ctx.app.draw_framebuffer() == 0 || ctx.app.picking() || !possible(ctx) {
+    if ctx.app.draw_framebuffer() == 0 || ctx.app.picking() || !possible(&ctx.drawable) {
         return false;
     }
     let index = look(ctx);
@@ -123,7 +129,7 @@ pub fn clear_with(ctx: &mut Context, issue: &dyn Fn(&Gl)) -> bool {
     }
     let first = ctx.view_copies.framebuffers[index].images().next();
     let grid = first.and_then(|name| Some(ctx.view_copies.image(name)?.view_copy.as_ref()?.grid));
-    for view in 0..copy_count(ctx) {
+    for view in 0..copy_count(&ctx.drawable, &ctx.view_copies) {
         if let Some(grid) = grid {
             own_window_space(ctx, grid.tile(view));
             issue(gl);

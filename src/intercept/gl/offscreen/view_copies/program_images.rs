@@ -42,8 +42,8 @@ pub fn forget_renderbuffer(ctx: &mut Context, renderbuffer: u32) {
 }
 
 /// True if a followed texture has this size and format already, so that nothing changes.
-pub fn is_alike(ctx: &Context, texture: u32, level: i32, size: [i32; 2]) -> bool {
-    let images = ctx.view_copies.images.iter();
+pub fn is_alike(view_copies: &ViewCopies, texture: u32, level: i32, size: [i32; 2]) -> bool {
+    let images = view_copies.images.iter();
     let mut same = images.filter(|image| matches!(image.name, Name::Texture { level: own, .. } if own == level));
     same.any(|image| image.is_texture(texture) && image.size == size)
 }
@@ -53,7 +53,7 @@ pub fn uploaded(ctx: &mut Context, texture: u32) {
     if !ctx.view_copies.images.iter().any(|image| image.is_texture(texture) && image.view_copy.is_some()) {
         return;
     }
-    let count = copy_count(ctx);
+    let count = copy_count(&ctx.drawable, &ctx.view_copies);
     without_scissor(ctx, |ctx| {
         for image in ctx.view_copies.images.iter_mut().filter(|image| image.is_texture(texture)) {
             for index in 0..count {
@@ -92,15 +92,15 @@ fn before_reading(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
     for (i, _) in ctx.view_copies.images.iter().enumerate().take(64).filter(|(_, image)| which(image)) {
         set |= 1 << i;
     }
-    before_reading_images(ctx, set);
-    supply(ctx, set, own_tile(ctx));
+    before_reading_images(&mut ctx.view_copies, set);
+    supply(ctx, set, own_tile(&ctx.drawable, &ctx.view_copies));
 }
 
 /// Notes that the program reads these images. From the next frame on they have a tile that is drawn
 /// with the program's own lens.
-pub(in crate::intercept::gl::offscreen) fn before_reading_images(ctx: &mut Context, set: Set) {
-    for (_, image) in ctx.view_copies.images.iter_mut().enumerate().take(64).filter(|(i, _)| set >> i & 1 != 0) {
-        ctx.view_copies.learnt |= !image.read_back;
+pub(in crate::intercept::gl::offscreen) fn before_reading_images(view_copies: &mut ViewCopies, set: Set) {
+    for (_, image) in view_copies.images.iter_mut().enumerate().take(64).filter(|(i, _)| set >> i & 1 != 0) {
+        view_copies.learnt |= !image.read_back;
         image.read_back = true;
     }
 }

@@ -9,7 +9,7 @@ const ROUNDING: f64 = 1e-5;
 
 /// Box after a product of matrices.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placed {
+pub struct PlacedBox {
     middle: [f64; 4],
     /// Half of each edge.
     edges: [[f64; 4]; 3],
@@ -17,7 +17,7 @@ pub struct Placed {
     sizes: [f64; 4],
 }
 
-impl Placed {
+impl PlacedBox {
     /// Returns the box `low`…`high` after a transformation.
     pub fn of(Transform { matrix, sizes }: &Transform, low: [f64; 3], high: [f64; 3]) -> Self {
         let column = |m: &[f64; 16], column: usize| -> [f64; 4] { std::array::from_fn(|row| m[4 * column + row]) };
@@ -55,7 +55,7 @@ fn product(a: &[f64; 4], b: &[f64; 4]) -> f64 {
 /// planes are linear, so this holds for points behind the eye as well. Near and far planes do not
 /// count, as the program may have switched off their clipping. Returns false in all cases of doubt,
 /// such as numbers that are not finite.
-pub fn outside(view: &View, placed: &Placed, beside: [f64; 2]) -> bool {
+pub fn outside(view: &View, placed: &PlacedBox, beside: [f64; 2]) -> bool {
     (0..2).any(|axis| {
         let out = 1.0 + beside[axis];
         let sizes = std::array::from_fn(|k| view.sizes[axis][k] + out * view.sizes[2][k]);
@@ -70,7 +70,7 @@ pub fn outside(view: &View, placed: &Placed, beside: [f64; 2]) -> bool {
 /// Returns the part of the picture of a `view` that contains the visible points of the box (left,
 /// bottom, right, top; the picture is −1…1). `None`: the box reaches behind the eye, so it may be
 /// visible anywhere.
-pub fn extent(view: &View, placed: &Placed) -> Option<[f64; 4]> {
+pub fn extent(view: &View, placed: &PlacedBox) -> Option<[f64; 4]> {
     let error: [f64; 3] = std::array::from_fn(|row| ROUNDING * product(&view.sizes[row], &placed.sizes));
     let middle: [f64; 3] = std::array::from_fn(|row| product(&view.rows[row], &placed.middle));
     let edges: [[f64; 3]; 3] =
@@ -105,7 +105,7 @@ pub fn extent(view: &View, placed: &Placed) -> Option<[f64; 4]> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Placed, Transform, View};
+    use super::{PlacedBox, Transform, View};
     use crate::intercept::gl::state::draw::bounds::Bounds;
     use crate::testing::random::Random;
 
@@ -117,11 +117,11 @@ mod tests {
         high: [f64; 3],
         beside: [f64; 2],
     ) -> bool {
-        super::outside(&View::of(projection), &Placed::of(&Transform::of(model_view), low, high), beside)
+        super::outside(&View::of(projection), &PlacedBox::of(&Transform::of(model_view), low, high), beside)
     }
 
     fn extent(low: [f64; 3], high: [f64; 3]) -> Option<[f64; 4]> {
-        super::extent(&View::of(&RIGHT_ANGLE), &Placed::of(&Transform::of(&IDENTITY), low, high))
+        super::extent(&View::of(&RIGHT_ANGLE), &PlacedBox::of(&Transform::of(&IDENTITY), low, high))
     }
 
     const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];

@@ -2,19 +2,22 @@
 //! the clear colour where nothing was drawn.
 
 use crate::backend::gl::driver::api;
-use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::state::app::AppState;
+use crate::intercept::gl::state::drawable::Drawable;
+use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::queries::Queries;
 
 /// Notes that the program cleared the colour of all views by `glClear`, with its present clear
 /// state.
-pub fn note_clear(ctx: &mut Context) {
-    let unconditional = !ctx.queries.is_conditional() && !ctx.app.discard() && ctx.app.draw_buffer() != api::GL_NONE;
-    let (gl, state) = (ctx.driver.gl, &ctx.driver.known_state);
-    let srgb = ctx.drawable.target().is_some_and(|t| t.config().srgb);
+pub fn note_clear(driver: &Driver, app: &AppState, drawable: &mut Drawable, queries: &Queries) {
+    let unconditional = !queries.is_conditional() && !app.discard() && app.draw_buffer() != api::GL_NONE;
+    let (gl, state) = (driver.gl, &driver.known_state);
+    let srgb = drawable.target().is_some_and(|t| t.config().srgb);
     // OpenGL ES always converts to sRGB if the window supports it.
-    let converts = srgb && (ctx.driver.profile.es || state.is_on(gl, api::GL_FRAMEBUFFER_SRGB));
+    let converts = srgb && (driver.profile.es || state.is_on(gl, api::GL_FRAMEBUFFER_SRGB));
     let (mask, [red, green, blue, _]) = (state.mask(gl), state.clear_color(gl));
     let known = unconditional && !converts && mask[..3].iter().all(|on| *on != 0);
-    if let Some(target) = ctx.drawable.target_mut() {
+    if let Some(target) = drawable.target_mut() {
         target.note_clear(if known { stored([red, green, blue]) } else { None });
     }
 }
@@ -30,11 +33,11 @@ fn stored(color: [f32; 3]) -> Option<[f32; 3]> {
 mod tests {
     use super::stored;
     use crate::correct::TexelSpan;
-    use crate::intercept::gl::state::drawable::cleared_views::Content;
+    use crate::intercept::gl::state::drawable::cleared_views::ViewContents;
 
     #[test]
     fn only_views_that_nothing_came_into_are_blank() {
-        let mut content = Content::default();
+        let mut content = ViewContents::default();
         assert!(content.views_cleared().is_none(), "nothing is known before the first clear");
         content.clear(Some([0.0; 3]));
         content.draw(1);
@@ -48,11 +51,11 @@ mod tests {
 
     #[test]
     fn what_was_touched_grows_until_a_clear() {
-        let mut content = Content::default();
+        let mut content = ViewContents::default();
         content.clear(Some([0.0; 3]));
         content.draw_within(2, TexelSpan { left: 10, bottom: 20, right: 30, top: 40 });
         content.draw_within(2, TexelSpan { left: 25, bottom: 5, right: 60, top: 30 });
-        let touched = |content: &Content, view: usize| content.views_cleared().map(|b| b.touched[view]);
+        let touched = |content: &ViewContents, view: usize| content.views_cleared().map(|b| b.touched[view]);
         assert_eq!(touched(&content, 2), Some(TexelSpan { left: 10, bottom: 5, right: 60, top: 40 }));
         assert!(touched(&content, 1).is_some_and(|texels| texels.is_empty()), "nothing");
         content.draw(2);

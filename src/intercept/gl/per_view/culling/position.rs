@@ -2,10 +2,15 @@
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::gl_context::ShareGroup;
+use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::compat::Compat;
 use crate::intercept::gl::state::compat::projection::multiply;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
+use crate::intercept::gl::state::drawable::Drawable;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::frame::Frame;
+use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::programs::{Array, Factor, Position, Program};
 use crate::intercept::gl::vertex_input::buffers;
 use crate::lock::Lock;
@@ -52,9 +57,9 @@ impl View {
         Self { rows, sizes: rows.map(|row: [f64; 4]| row.map(f64::abs)) }
     }
 
-    /// Returns the transformation that a patched shader applies with these rows
+    /// Returns the transformation that a patched shader applies with this reprojection matrix
     /// (`shader::source::patch`).
-    pub fn of_rows(matrix: &ReprojectionMatrix) -> Self {
+    pub fn of_reprojection(matrix: &ReprojectionMatrix) -> Self {
         let e = f64::from(matrix.depth.pole);
         let rows = [matrix.x, matrix.y, matrix.w].map(|row| row.map(f64::from));
         Self {
@@ -66,14 +71,14 @@ impl View {
 
 /// Returns the array of positions of the next draw, and the number of components that it uses.
 /// `None`: not known.
-pub fn array(ctx: &Context) -> Option<(Array, usize)> {
-    match ctx.shaders.program().filter(|program| program.draws_vertices()) {
+pub fn array(driver: &Driver, app: &AppState, shaders: &Shaders) -> Option<(Array, usize)> {
+    match shaders.program().filter(|program| program.draws_vertices()) {
         Some(program) => {
             // In a pipeline a stage of another program may follow and change the position.
-            let position = program.position.as_ref().filter(|_| ctx.shaders.used() == program.name)?;
+            let position = program.position.as_ref().filter(|_| shaders.used() == program.name)?;
             Some((position.array, position.components))
         }
-        None => (ctx.driver.profile.compatibility() && !ctx.app.assembly()).then_some((Array::Conventional, 4)),
+        None => (driver.profile.compatibility() && !app.assembly()).then_some((Array::Conventional, 4)),
     }
 }
 
@@ -86,24 +91,31 @@ pub fn transform(ctx: &mut Context, class: DrawClass) -> Option<Transform> {
         }
         DrawClass::Scene(_) => {
             let program = ctx.shaders.program().cloned().filter(|program| ctx.shaders.used() == program.name)?;
-            clip(ctx, &program, program.position.as_ref()?)
+            clip(&ctx.share, &ctx.driver, &ctx.drawable, &mut ctx.compat, &program, program.position.as_ref()?)
         }
         DrawClass::Flat | DrawClass::Behind | DrawClass::Screen => None,
     }
 }
 
-fn clip(ctx: &mut Context, program: &Program, position: &Position) -> Option<Transform> {
+fn clip(
+    share: &ShareGroup,
+    driver: &Driver,
+    drawable: &Drawable,
+    compat: &mut Compat,
+    program: &Program,
+    position: &Position,
+) -> Option<Transform> {
     let mut product = Transform::NONE;
     for factor in &position.factors {
         let next = match factor {
-            Factor::ModelView => ctx.compat.projection.model_view(ctx.driver.gl),
+            Factor::ModelView => compat.projection.model_view(driver.gl),
             Factor::Projection => {
-                ctx.compat.projection.refresh(ctx.driver.gl, ctx.drawable.session());
-                *ctx.compat.projection.matrix()
+                compat.projection.refresh(driver.gl, drawable.session());
+                *compat.projection.matrix()
             }
             Factor::Uniform(number) => {
                 let uniforms = program.uniforms.locked();
-                let buffers = buffers::of(&ctx.share);
+                let buffers = buffers::of(share);
                 uniforms.matrix(*number, &buffers)?
             }
         };
@@ -117,7 +129,7 @@ fn clip(ctx: &mut Context, program: &Program, position: &Position) -> Option<Tra
 pub fn of_view(compat: &Compat, frame: &Frame, class: DrawClass, index: usize) -> Option<View> {
     match class {
         DrawClass::FixedScene => compat.projection.of_view(index).map(View::of),
-        DrawClass::Scene(camera) => frame.cameras().get(camera)?.rows.get(index).map(View::of_rows),
+        DrawClass::Scene(camera) => frame.cameras().get(camera)?.reprojections.get(index).map(View::of_reprojection),
         DrawClass::Flat | DrawClass::Behind | DrawClass::Screen => None,
     }
 }
@@ -141,7 +153,7 @@ mod tests {
     #[test]
     fn rows_become_those_that_shaders_apply() {
         let rows: [f32; 16] = std::array::from_fn(|i| ((i * 7 + 3) % 11) as f32 - 5.0);
-        let view = View::of_rows(&ReprojectionMatrix::from_array(rows));
+        let view = View::of_reprojection(&ReprojectionMatrix::from_array(rows));
         let [x, y, z, w] = [0.3, -1.7, 2.2, 5.0];
         let q = z + f64::from(rows[12]) * w;
         for (index, [a, b, c, d]) in view.rows.into_iter().enumerate() {

@@ -8,12 +8,14 @@
 
 use crate::correct::{LowerLeftRect, TexelSpan};
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::per_view::culling::bounds::{Placed, extent, outside};
+use crate::intercept::gl::per_view::culling::bounds::{PlacedBox, extent, outside};
 use crate::intercept::gl::per_view::culling::position::{self, View};
 use crate::intercept::gl::state::app::AppState;
+use crate::intercept::gl::state::compat::Compat;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
+use crate::intercept::gl::state::frame::Frame;
 use crate::runtime::session::Session;
 
 /// True if the settings allow to leave out draws.
@@ -32,7 +34,7 @@ pub fn views(
     bounds: impl FnOnce(&mut Context) -> Bounds,
     changes: Changes,
 ) -> Views {
-    let Some(known) = Known::of(ctx, class, bounds) else { return Views::ALL };
+    let Some(known) = KnownDraw::of(ctx, class, bounds) else { return Views::ALL };
     let mut areas = ctx.draw.take_areas();
     areas.clear();
     let Some(target) = ctx.drawable.target() else { return Views::ALL };
@@ -41,7 +43,7 @@ pub fn views(
     let mut seen = 0;
     for index in 0..count {
         let (tile, _) = session.tile(index);
-        let look = known.look(ctx, session, index, tile.size());
+        let look = known.look(&ctx.compat, &ctx.frame, session, index, tile.size());
         seen |= u64::from(!look.unseen) << index;
         let part = look.view.filter(|_| !look.unseen).and_then(|view| extent(&view, &known.placed));
         areas.push(match part {
@@ -62,10 +64,10 @@ pub fn views_off_screen(
     bounds: impl FnOnce(&mut Context) -> Bounds,
     changes: Changes,
 ) -> Views {
-    let Some(known) = Known::of(ctx, class, bounds) else { return Views::ALL };
+    let Some(known) = KnownDraw::of(ctx, class, bounds) else { return Views::ALL };
     let Some(session) = ctx.session() else { return Views::ALL };
     let count = session.views().len().min(64);
-    let shows = |index: usize| !known.look(ctx, session, index, ctx.app.viewport().size()).unseen;
+    let shows = |index: usize| !known.look(&ctx.compat, &ctx.frame, session, index, ctx.app.viewport().size()).unseen;
     let seen = (0..count).fold(0, |seen, index| seen | u64::from(shows(index)) << index);
     Views { seen: at_least(&ctx.app, seen, count, changes), bounded: false }
 }
@@ -78,23 +80,23 @@ fn at_least(app: &AppState, seen: u64, count: usize, changes: Changes) -> u64 {
 }
 
 /// Draw whose position is known.
-struct Known {
+struct KnownDraw {
     class: DrawClass,
     /// Box around the vertices, in the coordinates from which the views' own transformations start.
-    placed: Placed,
+    placed: PlacedBox,
     /// Width, in pixels, of the border around a view in which drawing still affects the view.
     spread: f64,
 }
 
 /// What a view shows of a draw.
-struct Look {
+struct ViewLook {
     /// Transformation of the vertices to the view; `None`: not known.
     view: Option<View>,
     /// True if the view shows nothing of the draw.
     unseen: bool,
 }
 
-impl Known {
+impl KnownDraw {
     fn of(ctx: &mut Context, class: DrawClass, bounds: impl FnOnce(&mut Context) -> Bounds) -> Option<Self> {
         let spread = ctx.draw.spread();
         // In a curved picture the corners of a box do not limit what lies between them.
@@ -104,32 +106,32 @@ impl Known {
         }
         let model = position::transform(ctx, class)?;
         let (low, high) = bounds(ctx).known()?;
-        let placed = Placed::of(&model, low, high);
+        let placed = PlacedBox::of(&model, low, high);
         ctx.frame.note_bounded_draw();
-        note_place(ctx, class, &placed);
+        note_place(&mut ctx.frame, &ctx.compat, class, &placed);
         Some(Self { class, placed, spread })
     }
 
     /// Tests the view `index`, whose picture has `size` pixels.
-    fn look(&self, ctx: &Context, session: &Session, index: usize, size: [i32; 2]) -> Look {
+    fn look(&self, compat: &Compat, frame: &Frame, session: &Session, index: usize, size: [i32; 2]) -> ViewLook {
         let (_, own_lens) = session.tile(index);
-        let view = position::of_view(&ctx.compat, &ctx.frame, self.class, index).filter(|_| !own_lens);
+        let view = position::of_view(compat, frame, self.class, index).filter(|_| !own_lens);
         let beside = size.map(|pixels| 2.0 * self.spread / f64::from(pixels.max(1)));
         let unseen = view.as_ref().is_some_and(|view| outside(view, &self.placed, beside));
-        Look { view, unseen }
+        ViewLook { view, unseen }
     }
 }
 
 /// Counts draws beside the program's own picture, and draws across its border.
-fn note_place(ctx: &mut Context, class: DrawClass, placed: &Placed) {
-    if !ctx.frame.needs_places() {
+fn note_place(frame: &mut Frame, compat: &Compat, class: DrawClass, placed: &PlacedBox) {
+    if !frame.needs_places() {
         return;
     }
-    let Some(own) = position::of_own_picture(&ctx.compat, class) else { return };
+    let Some(own) = position::of_own_picture(compat, class) else { return };
     if outside(&own, placed, [0.0; 2]) {
-        ctx.frame.note_draw_beside();
+        frame.note_draw_beside();
     } else if extent(&own, placed).is_some_and(|part| part.iter().any(|edge| edge.abs() > 1.0)) {
-        ctx.frame.note_draw_at_border();
+        frame.note_draw_at_border();
     }
 }
 

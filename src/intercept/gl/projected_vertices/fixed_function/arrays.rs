@@ -6,10 +6,13 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::single;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::context::methods;
 use crate::intercept::gl::projected_vertices::fixed_function::vertices::{Attribute, Vertices};
 use crate::intercept::gl::projected_vertices::fixed_function::{assembly, substitute};
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline;
+use crate::intercept::gl::state::vertex_input::VertexInput;
 use crate::intercept::gl::state::vertex_input::vertex_arrays::width;
 pub use crate::intercept::gl::state::vertex_input::vertex_ranges::Vertices as Range;
 use crate::intercept::gl::vertex_input::position_layout::number;
@@ -135,7 +138,9 @@ pub unsafe fn read(ctx: &mut Context, mode: u32, range: Range) -> Option<Result<
         return None;
     }
     let apart = ctx.compiling() && !ctx.projected.views_only() && methods::division_asked_for();
-    if !apart && !substitute::reads(ctx, mode) || !ctx.driver.profile.compatibility() || ctx.shaders.program().is_some()
+    if !apart && !substitute::reads(&ctx.app, &ctx.drawable, &ctx.shaders, mode)
+        || !ctx.driver.profile.compatibility()
+        || ctx.shaders.program().is_some()
     {
         return None;
     }
@@ -148,7 +153,7 @@ pub unsafe fn read(ctx: &mut Context, mode: u32, range: Range) -> Option<Result<
     arrays.extend(OTHERS.iter().filter_map(|(attribute, names)| array(ctx.driver.gl, names, Some(*attribute))));
     textures(ctx.driver.gl, &mut arrays);
     // SAFETY: as promised.
-    let read = unsafe { vertices(ctx, mode, &arrays, range) };
+    let read = unsafe { vertices(&ctx.share, &ctx.driver, &mut ctx.vertex_input, mode, &arrays, range) };
     Some(read.ok_or_else(|| "a program's vertex arrays cannot be read".into()))
 }
 
@@ -195,9 +200,16 @@ fn textures(gl: &Gl, arrays: &mut Vec<Array>) {
 
 /// # Safety
 /// As for [`read`].
-unsafe fn vertices(ctx: &mut Context, mode: u32, arrays: &[Array], range: Range) -> Option<Vertices> {
+unsafe fn vertices(
+    share: &ShareGroup,
+    driver: &Driver,
+    vertex_input: &mut VertexInput,
+    mode: u32,
+    arrays: &[Array],
+    range: Range,
+) -> Option<Vertices> {
     // SAFETY: as promised.
-    let numbers = unsafe { numbers(ctx, range) }?;
+    let numbers = unsafe { numbers(share, driver, vertex_input, range) }?;
     let (least, greatest) = (*numbers.iter().min()?, *numbers.iter().max()?);
     let mut columns = Vec::new();
     for array in arrays {
@@ -208,7 +220,7 @@ unsafe fn vertices(ctx: &mut Context, mode: u32, arrays: &[Array], range: Range)
             _ if array.components == 0 || array.components > 4 || bytes > MOST_BYTES => return None,
             0 if array.start == 0 => return None,
             0 => None,
-            buffer => Some(ranges::read(ctx.driver.gl, &ctx.driver.profile, buffer, start, bytes)?),
+            buffer => Some(ranges::read(driver.gl, &driver.profile, buffer, start, bytes)?),
         };
         let first = read.as_ref().map_or(start as *const u8, |bytes| bytes.as_ptr());
         let column: Vec<[f32; 4]> = numbers
@@ -230,7 +242,12 @@ unsafe fn vertices(ctx: &mut Context, mode: u32, arrays: &[Array], range: Range)
 ///
 /// # Safety
 /// As for [`read`].
-unsafe fn numbers(ctx: &mut Context, range: Range) -> Option<Vec<usize>> {
+unsafe fn numbers(
+    share: &ShareGroup,
+    driver: &Driver,
+    vertex_input: &mut VertexInput,
+    range: Range,
+) -> Option<Vec<usize>> {
     match range {
         Range::Range { first, count } => {
             let first = usize::try_from(first).ok()?;
@@ -238,15 +255,15 @@ unsafe fn numbers(ctx: &mut Context, range: Range) -> Option<Vec<usize>> {
         }
         Range::Elements { count, kind, indices, base } => {
             let (count, width) = (usize::try_from(count).ok()?, index_width(kind)?);
-            if ranges::restarts(&ctx.driver) {
+            if ranges::restarts(driver) {
                 return None;
             }
-            let read = match vertex_arrays::elements(ctx) {
+            let read = match vertex_arrays::elements(share, driver, vertex_input) {
                 0 if indices.is_null() => return None,
                 0 => None,
                 name => {
                     let bytes = count.checked_mul(width).filter(|bytes| *bytes <= MOST_BYTES)?;
-                    Some(ranges::read(ctx.driver.gl, &ctx.driver.profile, name, indices as usize, bytes)?)
+                    Some(ranges::read(driver.gl, &driver.profile, name, indices as usize, bytes)?)
                 }
             };
             let start = read.as_ref().map_or(indices.cast::<u8>(), |bytes| bytes.as_ptr());

@@ -6,11 +6,14 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::correct::single;
-use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::projected_vertices::fixed_function::assembly::{self, Triangle};
 use crate::intercept::gl::projected_vertices::fixed_function::substitute;
 use crate::intercept::gl::projected_vertices::fixed_function::vertices::{Attribute, Vertices};
+use crate::intercept::gl::state::compat::Compat;
 use crate::intercept::gl::state::compat::projection;
+use crate::intercept::gl::state::draw::DrawState;
+use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::projected_vertices::ProjectedVertices;
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::runtime::session::Division;
 use glam::DVec3;
@@ -29,25 +32,33 @@ struct Divided<'a> {
     coarse: u64,
 }
 
-/// Draws `vertices` for the view of `rows`. The current attribute values are undefined afterwards.
-pub fn draw(ctx: &mut Context, vertices: &Vertices, division: Division, rows: &ReprojectionMatrix) {
-    let model_view = ctx.compat.projection.model_view(ctx.driver.gl);
-    let clip = projection::multiply(ctx.compat.projection.matrix(), &model_view);
+/// Draws `vertices` for the view of `reprojection`. The current attribute values are undefined afterwards.
+pub fn draw(
+    driver: &Driver,
+    draw: &DrawState,
+    compat: &mut Compat,
+    projected: &mut ProjectedVertices,
+    vertices: &Vertices,
+    division: Division,
+    reprojection: &ReprojectionMatrix,
+) {
+    let model_view = compat.projection.model_view(driver.gl);
+    let clip = projection::multiply(compat.projection.matrix(), &model_view);
     let seen = (0..vertices.count())
         .map(|number| {
             let [x, y, z, w] = vertices.vertex(number).first().map_or([0.0; 4], |position| position.map(f64::from));
             let at = |row: usize| clip[row] * x + clip[4 + row] * y + clip[8 + row] * z + clip[12 + row] * w;
-            seen(rows, [at(0), at(1), at(2), at(3)])
+            seen(reprojection, [at(0), at(1), at(2), at(3)])
         })
         .collect();
-    let (flat, outlined) = (substitute::is_flat(&ctx.projected), ctx.draw.may_outline());
-    let mut divided = Divided { gl: ctx.driver.gl, vertices, division, seen, flat, outlined, coarse: 0 };
+    let (flat, outlined) = (substitute::is_flat(projected), draw.may_outline());
+    let mut divided = Divided { gl: driver.gl, vertices, division, seen, flat, outlined, coarse: 0 };
     if assembly::fills(vertices.mode) {
         divided.triangles();
     } else {
         divided.lines();
     }
-    ctx.projected.count_coarse(divided.coarse);
+    projected.count_coarse(divided.coarse);
 }
 
 /// Draws `vertices` without division. The current attribute values are undefined afterwards.
@@ -67,13 +78,13 @@ pub fn whole(gl: &Gl, vertices: &Result<Vertices, Obstacle>) {
 
 /// Returns the point at which the viewer sees a vertex with these clip coordinates of the program:
 /// in lens axes and the program's units.
-fn seen(rows: &ReprojectionMatrix, [x, y, z, w]: [f64; 4]) -> DVec3 {
-    let q = z + f64::from(rows.depth.pole) * w;
+fn seen(reprojection: &ReprojectionMatrix, [x, y, z, w]: [f64; 4]) -> DVec3 {
+    let q = z + f64::from(reprojection.depth.pole) * w;
     let row = |row: [f32; 4]| {
         let [of_x, of_y, of_w, of_q] = row.map(f64::from);
         of_x * x + of_y * y + of_w * w + of_q * q
     };
-    DVec3::new(row(rows.x), row(rows.y), -row(rows.w))
+    DVec3::new(row(reprojection.x), row(reprojection.y), -row(reprojection.w))
 }
 
 impl Divided<'_> {

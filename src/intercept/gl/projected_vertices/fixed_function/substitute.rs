@@ -18,8 +18,12 @@ use crate::intercept::gl::context::{errors, list_recording, methods};
 use crate::intercept::gl::projected_vertices::fixed_function::shader_text;
 use crate::intercept::gl::shader::linking;
 use crate::intercept::gl::shader::source::patch::{self, Stage};
+use crate::intercept::gl::state::app::AppState;
+use crate::intercept::gl::state::drawable::Drawable;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::projected_vertices::ProjectedVertices;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline::Pipeline;
+use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::programs::Program;
 use crate::intercept::scene::obstacle::Obstacle;
 use std::sync::Arc;
@@ -71,15 +75,15 @@ pub fn begin(ctx: &mut Context) -> Result<(), Obstacle> {
 }
 
 /// Uses the pipeline again, if a program has replaced it.
-pub fn end(ctx: &mut Context) {
-    let Some(switched) = ctx.projected.end_stand_in() else { return };
-    ctx.shaders.end_stand_in();
+pub fn end(driver: &Driver, shaders: &mut Shaders, projected: &mut ProjectedVertices) {
+    let Some(switched) = projected.end_stand_in() else { return };
+    shaders.end_stand_in();
     // SAFETY: restores the state before `begin`.
     unsafe {
         for switch in switched {
-            ctx.driver.gl.disable(switch);
+            driver.gl.disable(switch);
         }
-        ctx.driver.gl.use_program(0);
+        driver.gl.use_program(0);
     }
 }
 
@@ -90,9 +94,9 @@ pub(super) fn is_flat(projected: &ProjectedVertices) -> bool {
 
 /// True if the processor has to read the vertices of the next draw of `mode`, in order to divide
 /// them for a view.
-pub fn reads(ctx: &Context, mode: u32) -> bool {
-    let divides = ctx.drawable.target().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
-    divides && !ctx.app.picking() && !ctx.app.feedback() && ctx.shaders.program().is_none() && mode != api::GL_POINTS
+pub fn reads(app: &AppState, drawable: &Drawable, shaders: &Shaders, mode: u32) -> bool {
+    let divides = drawable.target().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
+    divides && !app.picking() && !app.feedback() && shaders.program().is_none() && mode != api::GL_POINTS
 }
 
 /// Links the program for the present switches.

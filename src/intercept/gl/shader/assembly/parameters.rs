@@ -11,7 +11,7 @@ const LONGEST: u32 = 1024;
 
 /// Values that flow into a position.
 #[derive(Debug, Default, PartialEq, Eq)]
-pub struct Found {
+pub struct ReachedParameters {
     /// Parameters of the program or its environment, and their uses.
     pub parameters: BTreeMap<Parameter, Uses>,
     /// True if fixed-function matrices flow into the position, or parts of the text are not
@@ -19,7 +19,7 @@ pub struct Found {
     pub others: bool,
 }
 
-impl Found {
+impl ReachedParameters {
     /// Returns the groups of four consecutive parameters.
     pub fn matrices(&self) -> Vec<ParameterMatrix> {
         let mut found = Vec::new();
@@ -47,7 +47,7 @@ enum Source {
 }
 
 /// Reads `text`, which must have no comments.
-pub fn of_position(text: &str) -> Found {
+pub fn of_position(text: &str) -> ReachedParameters {
     let mut program = Program::default();
     // The body follows the header.
     let body = text.split_once(|c: char| c.is_whitespace()).map_or("", |(_, body)| body);
@@ -153,8 +153,8 @@ impl Program {
         vec![Source::Name(self.variable(part))]
     }
 
-    fn reached(&self) -> Found {
-        let mut found = Found { others: self.strange, ..Found::default() };
+    fn reached(&self) -> ReachedParameters {
+        let mut found = ReachedParameters { others: self.strange, ..ReachedParameters::default() };
         let (mut seen, mut open) = (HashSet::new(), vec!["result.position".to_owned()]);
         while let Some(name) = open.pop() {
             for (source, uses) in self.into.get(&name).into_iter().flatten() {

@@ -2,22 +2,28 @@
 
 use crate::correct::single;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
+use crate::intercept::gl::state::drawable::Drawable;
+use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::frame::Frame;
+use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::camera_matrices::{CameraMatrices, MatrixStage, Substitute};
 use crate::intercept::gl::state::shader::programs::Program;
+use crate::intercept::gl::state::vertex_input::VertexInput;
 use crate::intercept::gl::vertex_input::buffers;
 use crate::lock::Lock;
 use crate::runtime::session::{Intrinsics, eye_axes};
 use std::sync::Arc;
 
 /// Returns the programs of the present vertex and fragment shaders, if they have such matrices.
-fn drawing(ctx: &Context) -> [Option<Arc<Program>>; 2] {
-    let shaders = &ctx.shaders;
+fn drawing(share: &ShareGroup, shaders: &Shaders) -> [Option<Arc<Program>>; 2] {
+    let shaders = shaders;
     let holds = |program: &Arc<Program>| program.has_camera_matrices;
-    let drawn = ctx.shaders.program();
+    let drawn = shaders.program();
     let fragment = if shaders.used() == 0 && shaders.bound_pipeline() != 0 {
-        programs::record(&ctx.share, shaders.stages().fragment())
+        programs::record(share, shaders.stages().fragment())
     } else {
         None
     };
@@ -27,25 +33,33 @@ fn drawing(ctx: &Context) -> [Option<Arc<Program>>; 2] {
 
 /// True if a present shader has a matrix that transforms from the clip coordinates of a camera.
 pub fn holds_inverse(ctx: &Context) -> bool {
-    let programs = drawing(ctx);
-    programs.iter().flatten().any(|program| recognise(ctx, &mut program.camera_matrices.locked()))
+    let programs = drawing(&ctx.share, &ctx.shaders);
+    programs.iter().flatten().any(|program| {
+        recognise(&ctx.share, &ctx.driver, &ctx.frame, &ctx.vertex_input, &mut program.camera_matrices.locked())
+    })
 }
 
-fn recognise(ctx: &Context, matrices: &mut CameraMatrices) -> bool {
-    let generation = ctx.vertex_input.generation();
-    matrices.recognise(ctx.driver.gl, generation, &buffers::of(&ctx.share), ctx.frame.cameras())
+fn recognise(
+    share: &ShareGroup,
+    driver: &Driver,
+    frame: &Frame,
+    vertex_input: &VertexInput,
+    matrices: &mut CameraMatrices,
+) -> bool {
+    let generation = vertex_input.generation();
+    matrices.recognise(driver.gl, generation, &buffers::of(share), frame.cameras())
 }
 
 /// Gives the present shaders the matrices of a view. In draws of a scene positions are
 /// re-projected, so the vertex shader keeps its own matrices.
 pub fn load_view(ctx: &mut Context, view: usize, class: DrawClass) {
     let scene = !matches!(class, DrawClass::Flat | DrawClass::Screen);
-    for program in drawing(ctx).into_iter().flatten() {
+    for program in drawing(&ctx.share, &ctx.shaders).into_iter().flatten() {
         let mut matrices = program.camera_matrices.locked();
-        recognise(ctx, &mut matrices);
+        recognise(&ctx.share, &ctx.driver, &ctx.frame, &ctx.vertex_input, &mut matrices);
         let CameraMatrices { uniforms, substitutes, eye, .. } = &mut *matrices;
         let eye = eye.filter(|_| class == DrawClass::Screen).and_then(|(lens, transposed)| {
-            let turn = eye_axes::turn(&rows(ctx, &lens, view)?, &lens)?;
+            let turn = eye_axes::turn(&reprojection(&ctx.drawable, &mut ctx.frame, &lens, view)?, &lens)?;
             Some((turn, transposed))
         });
         for substitute in substitutes {
@@ -63,10 +77,11 @@ pub fn load_view(ctx: &mut Context, view: usize, class: DrawClass) {
             let ours = known.or_else(|| {
                 let value = uniforms.value(substitute.matrix)?;
                 let matrix = match (substitute.function, substitute.view_matrix, eye) {
-                    (Some((function, lens)), _, Some((turn, _))) if function.is_of_projection(value, &lens) => {
-                        function.for_turned_view(value, &rows(ctx, &lens, view)?, turn)
+                    (Some((function, lens)), _, Some((turn, _))) if function.is_of_projection(value, &lens) => function
+                        .for_turned_view(value, &reprojection(&ctx.drawable, &mut ctx.frame, &lens, view)?, turn),
+                    (Some((function, lens)), ..) => {
+                        function.for_view(value, &reprojection(&ctx.drawable, &mut ctx.frame, &lens, view)?)
                     }
-                    (Some((function, lens)), ..) => function.for_view(value, &rows(ctx, &lens, view)?),
                     (None, Some(matrix), Some((turn, transposed))) => Some(matrix.turned(value, transposed, turn)),
                     _ => None,
                 };
@@ -81,15 +96,15 @@ pub fn load_view(ctx: &mut Context, view: usize, class: DrawClass) {
 }
 
 /// Returns the reprojection matrix of a view for a lens.
-fn rows(ctx: &mut Context, lens: &Intrinsics, view: usize) -> Option<[f64; 16]> {
-    let session = ctx.drawable.session()?;
-    let camera = ctx.frame.camera(lens, session);
-    Some(ctx.frame.cameras().get(camera)?.rows.get(view)?.matrix())
+fn reprojection(drawable: &Drawable, frame: &mut Frame, lens: &Intrinsics, view: usize) -> Option<[f64; 16]> {
+    let session = drawable.session()?;
+    let camera = frame.camera(lens, session);
+    Some(frame.cameras().get(camera)?.reprojections.get(view)?.matrix())
 }
 
 /// Gives the present shaders the program's own matrices.
 pub fn load_own(ctx: &Context) {
-    for program in drawing(ctx).into_iter().flatten() {
+    for program in drawing(&ctx.share, &ctx.shaders).into_iter().flatten() {
         for substitute in &mut program.camera_matrices.locked().substitutes {
             substitute.set(ctx, &program, None);
         }
@@ -100,12 +115,18 @@ impl Substitute {
     /// Uses `matrix` instead of the program's matrix; `None`: uses the program's matrix again.
     fn set(&mut self, ctx: &Context, program: &Program, matrix: Option<[f32; 16]>) {
         if let Some(matrix) = matrix.filter(|_| self.uploaded != matrix) {
-            programs::set_matrix(ctx, program, self.location, &matrix);
+            programs::set_matrix(&ctx.driver, &ctx.shaders, program, self.location, &matrix);
             self.uploaded = Some(matrix);
         }
         if self.chosen != matrix.is_some() {
             self.chosen = matrix.is_some();
-            programs::set_number(ctx, program, self.chosen_location, f32::from(u8::from(self.chosen)));
+            programs::set_number(
+                &ctx.driver,
+                &ctx.shaders,
+                program,
+                self.chosen_location,
+                f32::from(u8::from(self.chosen)),
+            );
         }
     }
 }

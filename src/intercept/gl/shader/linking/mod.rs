@@ -357,7 +357,7 @@ hooks! {
     "glProgramBinary" program_binary(program: u32, format: u32, binary: *const c_void, length: i32) = |ctx, gl| {
         // The earlier link result is gone, and the binary was never patched.
         gl.program_binary(program, format, binary, length);
-        forget_program(ctx, program);
+        forget_program(&ctx.share, &ctx.driver, program);
     };
     "glCreateShaderProgramv" create_shader_programv(kind: u32, count: i32, strings: *const *const c_char) -> u32 = |ctx, gl| {
         if count < 0 {

@@ -5,10 +5,13 @@
 //! the window's origin and scales it to the window's size. So the program computes the same values
 //! as in a window that shows the view.
 
-use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::shader::source::head::Head;
 use crate::intercept::gl::shader::source::patch::strip_comments;
+use crate::intercept::gl::state::draw::DrawState;
+use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::programs::{FragCoord, Program};
 use crate::lock::Lock;
 
@@ -88,25 +91,25 @@ fn condition_depth(bare: &str) -> usize {
 
 /// Sends the transformation to window coordinates to the present fragment shader, unless the shader
 /// has it already.
-pub fn upload(ctx: &Context) {
-    let shaders = &ctx.shaders;
+pub fn upload(share: &ShareGroup, driver: &Driver, draw: &DrawState, shaders: &Shaders) {
+    let shaders = shaders;
     if shaders.used() != 0 {
-        if let Some(program) = ctx.shaders.program() {
-            send(ctx, program);
+        if let Some(program) = shaders.program() {
+            send(driver, draw, shaders, program);
         }
     } else if shaders.bound_pipeline() != 0
-        && let Some(program) = programs::record(&ctx.share, shaders.stages().fragment())
+        && let Some(program) = programs::record(share, shaders.stages().fragment())
     {
-        send(ctx, &program);
+        send(driver, draw, shaders, &program);
     }
 }
 
-fn send(ctx: &Context, program: &Program) {
+fn send(driver: &Driver, draw: &DrawState, shaders: &Shaders, program: &Program) {
     let Some(FragCoord { location, upper_left }) = program.frag_coord else { return };
-    let vector = ctx.draw.to_window().vector(upper_left);
+    let vector = draw.to_window().vector(upper_left);
     let mut uploaded = program.uploaded.locked();
     if uploaded.to_window != Some(vector) {
-        programs::set_vectors(ctx, program, location, &vector);
+        programs::set_vectors(driver, shaders, program, location, &vector);
         uploaded.to_window = Some(vector);
     }
 }

@@ -10,7 +10,7 @@ pub const ATTRIBUTE_DEPTH: usize = 16;
 /// State that `glPushAttrib` saves, as far as Cupola follows it.
 pub struct Pushed {
     pub(in crate::intercept::gl) mask: u32,
-    pub(in crate::intercept::gl) saved: Saved,
+    pub(in crate::intercept::gl) saved: SavedAppState,
     pub(in crate::intercept::gl) list_base: u32,
     pub(in crate::intercept::gl) known: KnownState,
     /// Raster position, if current attributes are saved.
@@ -19,7 +19,7 @@ pub struct Pushed {
 
 /// Part of the app state that `glPushAttrib` saves.
 #[derive(Clone, Debug)]
-pub struct Saved {
+pub struct SavedAppState {
     pub(in crate::intercept::gl) arrays: WindowArrays,
     pub(in crate::intercept::gl) draw_buffer: u32,
     pub(in crate::intercept::gl) read_buffer: u32,

@@ -8,7 +8,7 @@ pub mod window_arrays;
 
 use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
-use crate::intercept::gl::state::app::attribute_stack::{ATTRIBUTE_DEPTH, Pushed, Saved};
+use crate::intercept::gl::state::app::attribute_stack::{ATTRIBUTE_DEPTH, Pushed, SavedAppState};
 use crate::intercept::gl::state::app::window_arrays::{Viewport, WindowArrays};
 
 /// State that the program has set, as the program would read it.
@@ -248,8 +248,8 @@ impl AppState {
     }
 
     /// Returns the state that `glPushAttrib` saves.
-    pub fn saved(&self) -> Saved {
-        Saved {
+    pub fn saved(&self) -> SavedAppState {
+        SavedAppState {
             arrays: self.all_arrays(),
             draw_buffer: self.draw_buffer,
             read_buffer: self.read_buffer,
@@ -258,7 +258,7 @@ impl AppState {
     }
 
     /// `glPopAttrib`: restores the groups of `mask`.
-    pub fn restore(&mut self, mask: u32, saved: &Saved) {
+    pub fn restore(&mut self, mask: u32, saved: &SavedAppState) {
         self.change_arrays(|arrays| {
             if mask & api::GL_VIEWPORT_BIT != 0 {
                 arrays.viewports = saved.arrays.viewports;

@@ -34,7 +34,8 @@ impl Projection {
         self.class = classify(&matrix);
         self.per_view.clear();
         if let MatrixClass::Perspective(intrinsics) = &self.class {
-            self.per_view.extend(session.rows(intrinsics).map(|rows| multiply(&rows.matrix(), &matrix)));
+            self.per_view
+                .extend(session.rows(intrinsics).map(|reprojection| multiply(&reprojection.matrix(), &matrix)));
         }
     }
 

@@ -11,7 +11,7 @@ macro_rules! attribute_commands {
         #[derive(Clone, Copy, Debug)]
         #[allow(non_camel_case_types, missing_docs)] // Each is the OpenGL command of its name.
         #[repr(u16)]
-        pub enum Command {
+        pub enum VertexCommand {
             $( $vector, )*
             materialfv,
             materialiv,

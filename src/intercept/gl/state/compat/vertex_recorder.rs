@@ -5,7 +5,7 @@
 //! and generic attributes. The next Begin/End uses the memory again.
 
 use crate::backend::gl::driver::api::{self, Gl};
-use crate::intercept::gl::state::compat::vertex_commands::{self, Command};
+use crate::intercept::gl::state::compat::vertex_commands::{self, VertexCommand};
 use crate::intercept::gl::state::draw::bounds::Bounds;
 
 /// Value that a command sets.
@@ -236,7 +236,7 @@ impl Recorder {
     /// Stores a command with its parameters before the components (`prefix`) and its components
     /// (`values`).
     #[inline]
-    pub fn push<T: Number>(&mut self, command: Command, sets: Sets, prefix: &[u64], values: &[T]) {
+    pub fn push<T: Number>(&mut self, command: VertexCommand, sets: Sets, prefix: &[u64], values: &[T]) {
         let vertex = sets.is_vertex(prefix);
         if vertex {
             self.vertices = true;

@@ -5,7 +5,7 @@ use crate::correct::TexelSpan;
 
 /// Content of each view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Content {
+pub struct ViewContents {
     /// Colour to which every view was cleared; `None`: not known.
     cleared: Option<[f32; 3]>,
     /// Views that were drawn to since the clear, a bit each.
@@ -17,13 +17,13 @@ pub struct Content {
 /// Greatest number of views that are followed.
 pub(in crate::intercept::gl) const VIEWS: usize = 64;
 
-impl Default for Content {
+impl Default for ViewContents {
     fn default() -> Self {
         Self { cleared: None, drawn: 0, touched: [TexelSpan::NOTHING; VIEWS] }
     }
 }
 
-impl Content {
+impl ViewContents {
     /// Notes a draw at an unknown place of a view.
     pub fn draw(&mut self, view: usize) {
         self.draw_within(view, TexelSpan::EVERYTHING);

@@ -6,7 +6,7 @@ use crate::backend::gl::{ClearedViews, GlBackend, KnownState, Spread, Target};
 use crate::correct::projected::matrices::LensConstants;
 use crate::correct::{LowerLeftRect, TexelSpan};
 use crate::error::Result;
-use crate::intercept::gl::state::drawable::cleared_views::Content;
+use crate::intercept::gl::state::drawable::cleared_views::ViewContents;
 use crate::intercept::gl::state::drawable::window_config::Config;
 use crate::intercept::process::live::Live;
 use crate::intercept::process::settings;
@@ -45,7 +45,7 @@ pub struct DefaultFramebuffer {
     /// views.
     pub lenses: Vec<LensConstants>,
     /// Content of the views.
-    pub content: Content,
+    pub content: ViewContents,
     pub(in crate::intercept::gl) issued: Vec<u64>,
     pub(in crate::intercept::gl) culled: Vec<u64>,
     /// Number of texels of each view that are closed for drawing; empty if there are none.

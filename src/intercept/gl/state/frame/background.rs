@@ -32,11 +32,11 @@ impl PanelPart {
         Self { scale, offset: std::array::from_fn(|i| 2.0 * start[i] + scale[i] - 1.0) }
     }
 
-    /// Returns the matrix rows for this part, from those for the whole panel.
-    fn rows(&self, rows: &ClipRows) -> ClipRows {
+    /// Returns the reprojection for this part, from that for the whole panel.
+    fn reprojection(&self, whole: &ClipRows) -> ClipRows {
         let ([across, up], [right, above]) = (self.scale, self.offset);
         let row = |[x, y, w, q]: [f64; 4]| [x * across, y * up, x * right + y * above + w, q];
-        ClipRows { x: row(rows.x), y: row(rows.y), w: row(rows.w), ..*rows }
+        ClipRows { x: row(whole.x), y: row(whole.y), w: row(whole.w), ..*whole }
     }
 }
 
@@ -44,9 +44,9 @@ impl PanelPart {
 #[derive(Default)]
 pub struct Background {
     pub(in crate::intercept::gl) order: FrameOrder,
-    rows: Vec<ClipRows>,
-    shader_rows: Vec<ReprojectionMatrix>,
-    /// Part of the panel for which `rows` were computed.
+    reprojections: Vec<ClipRows>,
+    for_shaders: Vec<ReprojectionMatrix>,
+    /// Part of the panel for which `reprojections` were computed.
     part: PanelPart,
     /// Fixed-function projection from which `per_view` was computed.
     matrix: Option<[f64; 16]>,
@@ -71,14 +71,14 @@ impl Background {
 
     /// Forgets all matrices, as the views have changed.
     pub fn clear(&mut self) {
-        self.rows.clear();
-        self.shader_rows.clear();
+        self.reprojections.clear();
+        self.for_shaders.clear();
         self.matrix = None;
     }
 
     /// Returns the reprojection matrix of a view, for the program's shaders.
-    pub fn shader_rows(&self, view: usize) -> Option<&ReprojectionMatrix> {
-        self.shader_rows.get(view)
+    pub fn reprojection(&self, view: usize) -> Option<&ReprojectionMatrix> {
+        self.for_shaders.get(view)
     }
 
     /// Returns the projection of a view, for the fixed-function pipeline.
@@ -89,9 +89,10 @@ impl Background {
     /// Returns the rectangle of the panel's part in a tile of view `view`: the smallest one around
     /// those points of the part that are in front of the eye.
     pub fn within(&self, view: usize, tile: LowerLeftRect) -> LowerLeftRect {
-        let Some(rows) = self.rows.get(view) else { return tile };
-        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
-            .map(|[x, y]| [&rows.x, &rows.y, &rows.w].map(|row: &[f64; 4]| row[0] * x + row[1] * y + row[2]));
+        let Some(reprojection) = self.reprojections.get(view) else { return tile };
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| {
+            [&reprojection.x, &reprojection.y, &reprojection.w].map(|row: &[f64; 4]| row[0] * x + row[1] * y + row[2])
+        });
         let (mut least, mut most) = ([1.0_f64; 2], [-1.0_f64; 2]);
         for (i, from) in corners.iter().enumerate() {
             let to = &corners[(i + 1) % 4];
@@ -119,19 +120,21 @@ impl Background {
         projection: &[f64; 16],
         part: PanelPart,
     ) -> bool {
-        if self.rows.is_empty() || self.part != part {
+        if self.reprojections.is_empty() || self.part != part {
             self.part = part;
-            self.rows = session.panel_rows();
-            self.rows.iter_mut().for_each(|rows| *rows = part.rows(rows));
-            self.shader_rows = self.rows.iter().map(ReprojectionMatrix::of).collect();
+            self.reprojections = session.panel_rows();
+            self.reprojections.iter_mut().for_each(|reprojection| *reprojection = part.reprojection(reprojection));
+            self.for_shaders = self.reprojections.iter().map(ReprojectionMatrix::of).collect();
             self.matrix = None;
         }
         if self.matrix.as_ref() != Some(projection) {
             self.matrix = Some(*projection);
             self.per_view.clear();
-            self.per_view.extend(self.rows.iter().map(|rows| projection::multiply(&rows.matrix(), projection)));
+            self.per_view.extend(
+                self.reprojections.iter().map(|reprojection| projection::multiply(&reprojection.matrix(), projection)),
+            );
         }
-        !self.rows.is_empty()
+        !self.reprojections.is_empty()
     }
 }
 
@@ -145,7 +148,7 @@ mod tests {
     fn the_corners_of_a_viewport_are_those_of_its_part() {
         let row = |at: usize| std::array::from_fn(|i| if i == at { 1.0 } else { 0.0 });
         let whole = ClipRows { x: row(0), y: row(1), w: row(2), e: 0.0, curved: false, depth: [0.5, 0.0] };
-        let part = PanelPart::of(LowerLeftRect::new(100, 0, 100, 50), [400, 200]).rows(&whole);
+        let part = PanelPart::of(LowerLeftRect::new(100, 0, 100, 50), [400, 200]).reprojection(&whole);
         let at = |row: [f64; 4], [x, y]: [f64; 2]| row[0] * x + row[1] * y + row[2];
         for (corner, expected) in [([-1.0, -1.0], [-0.5, -1.0]), ([1.0, 1.0], [0.0, -0.5])] {
             assert_eq!([at(part.x, corner), at(part.y, corner), at(part.w, corner)], [expected[0], expected[1], 1.0]);

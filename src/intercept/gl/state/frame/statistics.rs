@@ -26,14 +26,14 @@ pub struct Counts {
     /// Shader programs that were linked for Cupola.
     pub linked: u64,
     /// Draws by the way their projection was found.
-    pub found: Found,
+    pub found: FoundBy,
 }
 
 /// Number of draws by the way in which their projection was found. Counting allocates nothing.
 #[derive(Clone, Debug, Default)]
-pub struct Found([(&'static str, u64); 8]);
+pub struct FoundBy([(&'static str, u64); 8]);
 
-impl Found {
+impl FoundBy {
     /// Counts one draw whose projection was found in this way. Only the first eight ways are
     /// counted.
     pub fn count(&mut self, how: &'static str) {

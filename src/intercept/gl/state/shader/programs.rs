@@ -156,7 +156,7 @@ pub struct ComputeStage {
 /// Constants of a view that were uploaded to a program.
 #[derive(Default)]
 pub(in crate::intercept::gl) struct Uploaded {
-    pub(in crate::intercept::gl) rows: Option<ReprojectionMatrix>,
+    pub(in crate::intercept::gl) reprojection: Option<ReprojectionMatrix>,
     pub(in crate::intercept::gl) lens: Option<LensConstants>,
     /// Value of the uniform of [`FragCoord`].
     pub(in crate::intercept::gl) to_window: Option<[f32; 4]>,

@@ -44,7 +44,7 @@ pub struct Pointer {
 }
 
 /// Record of a generic attribute.
-pub(in crate::intercept::gl) struct Attribute {
+pub(in crate::intercept::gl) struct GenericAttribute {
     pub(in crate::intercept::gl) location: u32,
     pub(in crate::intercept::gl) on: Option<bool>,
     pub(in crate::intercept::gl) format: Option<Format>,
@@ -60,7 +60,7 @@ pub(in crate::intercept::gl) struct Binding {
 #[derive(Default)]
 pub(in crate::intercept::gl) struct Object {
     pub(in crate::intercept::gl) name: u32,
-    pub(in crate::intercept::gl) attributes: Vec<Attribute>,
+    pub(in crate::intercept::gl) attributes: Vec<GenericAttribute>,
     pub(in crate::intercept::gl) bindings: Vec<Binding>,
     /// True if `GL_VERTEX_ARRAY` is on; `None` = not known.
     pub(in crate::intercept::gl) conventional_on: Option<bool>,
@@ -119,7 +119,7 @@ impl VertexArrays {
 }
 
 impl Object {
-    pub(in crate::intercept::gl) fn attribute(&mut self, location: u32) -> Option<&mut Attribute> {
+    pub(in crate::intercept::gl) fn attribute(&mut self, location: u32) -> Option<&mut GenericAttribute> {
         self.attributes.iter_mut().find(|attribute| attribute.location == location)
     }
 
@@ -127,10 +127,10 @@ impl Object {
         self.bindings.iter_mut().find(|binding| binding.number == number)
     }
 
-    pub(in crate::intercept::gl) fn asked_attribute(&mut self, location: u32) -> &mut Attribute {
+    pub(in crate::intercept::gl) fn asked_attribute(&mut self, location: u32) -> &mut GenericAttribute {
         let place = self.attributes.iter().position(|attribute| attribute.location == location);
         let place = place.unwrap_or_else(|| {
-            self.attributes.push(Attribute { location, on: None, format: None });
+            self.attributes.push(GenericAttribute { location, on: None, format: None });
             self.attributes.len() - 1
         });
         &mut self.attributes[place]

@@ -5,7 +5,7 @@
 
 pub mod set_contents;
 
-use crate::intercept::vk::state::descriptors::set_contents::{Contents, Copies, DescriptorSlot, Picture};
+use crate::intercept::vk::state::descriptors::set_contents::{Contents, Copies, DescriptorPicture, DescriptorSlot};
 use crate::lock::Lock;
 use ash::vk;
 use std::collections::{BTreeMap, HashMap};
@@ -185,7 +185,12 @@ impl Descriptors {
         self.attachments.load(Ordering::Relaxed)
     }
 
-    pub(in crate::intercept::vk) fn write(&self, set: vk::DescriptorSet, place: (u32, u32), picture: Option<Picture>) {
+    pub(in crate::intercept::vk) fn write(
+        &self,
+        set: vk::DescriptorSet,
+        place: (u32, u32),
+        picture: Option<DescriptorPicture>,
+    ) {
         if picture.is_some_and(|picture| picture.attachment.is_some()) {
             self.attachments.store(true, Ordering::Relaxed);
         }
@@ -233,10 +238,13 @@ pub fn is_sampled(kind: vk::DescriptorType) -> bool {
 
 /// Returns the picture of a descriptor of this type; `None` for types in which it cannot be
 /// replaced.
-pub(in crate::intercept::vk) fn picture(info: &vk::DescriptorImageInfo, kind: vk::DescriptorType) -> Option<Picture> {
+pub(in crate::intercept::vk) fn picture(
+    info: &vk::DescriptorImageInfo,
+    kind: vk::DescriptorType,
+) -> Option<DescriptorPicture> {
     let attachment = (kind == vk::DescriptorType::INPUT_ATTACHMENT).then_some(info.image_layout);
     let stored = kind == vk::DescriptorType::STORAGE_IMAGE;
-    let picture = Picture { view: info.image_view, sampler: info.sampler, attachment, stored };
+    let picture = DescriptorPicture { view: info.image_view, sampler: info.sampler, attachment, stored };
     (is_sampled(kind) || stored || attachment.is_some()).then_some(picture)
 }
 

@@ -10,7 +10,7 @@ pub type DescriptorSlot = (u32, u32);
 
 /// Descriptor of an image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Picture {
+pub struct DescriptorPicture {
     /// The view of its image.
     pub(in crate::intercept::vk) view: vk::ImageView,
     /// The sampler, if the layout has none.
@@ -25,14 +25,14 @@ pub struct Picture {
 #[derive(Default)]
 pub struct Contents {
     pub(in crate::intercept::vk) written: BTreeSet<DescriptorSlot>,
-    pub(in crate::intercept::vk) pictures: BTreeMap<DescriptorSlot, Picture>,
+    pub(in crate::intercept::vk) pictures: BTreeMap<DescriptorSlot, DescriptorPicture>,
     /// Increases with each change.
     pub(in crate::intercept::vk) version: u64,
 }
 
 impl Contents {
     /// Notes a written descriptor, with its picture if it has one.
-    pub fn write(&mut self, place: DescriptorSlot, picture: Option<Picture>) {
+    pub fn write(&mut self, place: DescriptorSlot, picture: Option<DescriptorPicture>) {
         self.version += 1;
         self.written.insert(place);
         match picture {
@@ -50,7 +50,7 @@ impl Contents {
 
     /// Returns the views of the images that shaders can sample.
     pub fn views(&self) -> impl Iterator<Item = vk::ImageView> + '_ {
-        let sampled = |picture: &&Picture| picture.attachment.is_none() && !picture.stored;
+        let sampled = |picture: &&DescriptorPicture| picture.attachment.is_none() && !picture.stored;
         self.pictures.values().filter(sampled).map(|picture| picture.view)
     }
 
@@ -76,16 +76,17 @@ pub struct Copies {
 }
 
 /// A descriptor of an image of the scene, and the images that replace it in the views.
-pub(in crate::intercept::vk) type CopiedDescriptor = (DescriptorSlot, Picture, ViewCopies);
+pub(in crate::intercept::vk) type CopiedDescriptor = (DescriptorSlot, DescriptorPicture, ViewCopies);
 
 #[cfg(test)]
 mod tests {
-    use super::{Contents, Picture};
+    use super::{Contents, DescriptorPicture};
     use ash::vk::{self, Handle};
 
     #[test]
     fn what_was_written_last_counts() {
-        let picture = |number| Picture { view: vk::ImageView::from_raw(number), ..Picture::default() };
+        let picture =
+            |number| DescriptorPicture { view: vk::ImageView::from_raw(number), ..DescriptorPicture::default() };
         let (mut from, mut to) = (Contents::default(), Contents::default());
         from.write((3, 1), Some(picture(7)));
         to.copy(&from, (3, 1), (0, 0));
@@ -95,7 +96,7 @@ mod tests {
         let version = to.version;
         to.write((0, 0), None);
         assert!(to.views().next().is_none() && to.version > version);
-        to.write((0, 0), Some(Picture { attachment: Some(vk::ImageLayout::GENERAL), ..picture(8) }));
+        to.write((0, 0), Some(DescriptorPicture { attachment: Some(vk::ImageLayout::GENERAL), ..picture(8) }));
         assert!(to.views().next().is_none() && to.reads_attachments(), "an attachment is not sampled");
     }
 }

@@ -126,7 +126,7 @@ impl ConstantPool {
     /// `None` if the driver refuses it.
     pub fn set_layout(&self, driver: &Driver, counts: bool) -> Option<vk::DescriptorSetLayout> {
         *self.set_layouts[usize::from(counts)].get_or_init(|| {
-            let rows = vk::DescriptorSetLayoutBinding::default()
+            let constants = vk::DescriptorSetLayoutBinding::default()
                 .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC)
                 .descriptor_count(1)
                 .stage_flags(vk::ShaderStageFlags::ALL_GRAPHICS | vk::ShaderStageFlags::COMPUTE);
@@ -135,7 +135,7 @@ impl ConstantPool {
                 .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
                 .descriptor_count(1)
                 .stage_flags(vk::ShaderStageFlags::GEOMETRY);
-            let bindings = [rows, counter];
+            let bindings = [constants, counter];
             let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings[..1 + usize::from(counts)]);
             // SAFETY: the device is live.
             unsafe { driver.functions.create_descriptor_set_layout(&info, None) }.ok()
@@ -256,12 +256,12 @@ impl ConstantChunk {
             let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(self.pool).set_layouts(layouts);
             let sets = functions.allocate_descriptor_sets(&info)?;
             self.sets.iter_mut().zip(&sets).for_each(|(place, set)| *place = *set);
-            let rows = [vk::DescriptorBufferInfo { buffer: self.buffer, offset: 0, range: slot }];
-            let rows = |set| {
+            let constants = [vk::DescriptorBufferInfo { buffer: self.buffer, offset: 0, range: slot }];
+            let write = |set| {
                 let kind = vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC;
-                vk::WriteDescriptorSet::default().dst_set(set).descriptor_type(kind).buffer_info(&rows)
+                vk::WriteDescriptorSet::default().dst_set(set).descriptor_type(kind).buffer_info(&constants)
             };
-            let mut writes: Vec<_> = sets.iter().map(|set| rows(*set)).collect();
+            let mut writes: Vec<_> = sets.iter().map(|set| write(*set)).collect();
             let counter = counter.map(|counter| [counter.descriptor()]);
             if let Some(counter) = &counter {
                 let write = vk::WriteDescriptorSet::default().dst_set(self.set(true)).dst_binding(1);
@@ -278,10 +278,10 @@ impl ConstantChunk {
     }
 
     /// Writes a slot, with its lens if it has one. Writes nothing beyond the chunk.
-    pub fn write(&self, offset: u32, rows: &[f32; FLOATS], lens: Option<&[f32; FLOATS]>) {
-        self.write_words(offset, &rows.map(f32::to_bits));
+    pub fn write(&self, offset: u32, reprojection: &[f32; FLOATS], lens: Option<&[f32; FLOATS]>) {
+        self.write_words(offset, &reprojection.map(f32::to_bits));
         if let Some(lens) = lens {
-            self.write_words(offset + size_of_val(rows) as u32, &lens.map(f32::to_bits));
+            self.write_words(offset + size_of_val(reprojection) as u32, &lens.map(f32::to_bits));
         }
     }
 

@@ -13,9 +13,9 @@ use crate::intercept::gl::shader::source::text::brackets::behind;
 use crate::intercept::gl::shader::source::text::tokens::{self, Tokens, is_name, number};
 use std::cell::Cell;
 
-/// Attribute that has the positions.
+/// PositionArray that has the positions.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Attribute {
+pub enum PositionArray {
     /// `gl_Vertex`.
     Conventional,
     /// A named attribute of the program.
@@ -38,8 +38,8 @@ pub enum Factor {
 pub struct Proof {
     /// Matrices, from the left.
     pub factors: Vec<Factor>,
-    /// Attribute.
-    pub attribute: Attribute,
+    /// PositionArray.
+    pub attribute: PositionArray,
     /// Number of components that are used, 2…4. The others are 0, 0, 1.
     pub components: usize,
 }
@@ -95,7 +95,7 @@ pub fn prove(source: &str, es_context: bool) -> Option<Proof> {
 /// Product of matrices, and of a position if it ends with one.
 struct Value {
     factors: Vec<Factor>,
-    position: Option<(Attribute, usize)>,
+    position: Option<(PositionArray, usize)>,
 }
 
 struct Text<'a> {
@@ -241,10 +241,10 @@ impl<'a> Text<'a> {
             }
             "ftransform" if self.is_built_in(word) => {
                 let closed = self.word(at + 1) == "(" && self.word(at + 2) == ")";
-                let position = Some((Attribute::Conventional, 4));
+                let position = Some((PositionArray::Conventional, 4));
                 closed.then(|| one(vec![Factor::Projection, Factor::ModelView], position, 3))?
             }
-            "gl_Vertex" if self.is_built_in(word) => one(Vec::new(), Some((Attribute::Conventional, 4)), 1),
+            "gl_Vertex" if self.is_built_in(word) => one(Vec::new(), Some((PositionArray::Conventional, 4)), 1),
             "gl_ModelViewProjectionMatrix" if self.is_built_in(word) => {
                 one(vec![Factor::Projection, Factor::ModelView], None, 1)
             }
@@ -254,7 +254,7 @@ impl<'a> Text<'a> {
             _ => match self.declarations.globals.get(word) {
                 Some(Global::Matrix) if self.is_constant(word) => one(vec![Factor::Uniform(word.to_owned())], None, 1),
                 Some(Global::Attribute(4)) if self.is_constant(word) => {
-                    one(Vec::new(), Some((Attribute::Named(word.to_owned()), 4)), 1)
+                    one(Vec::new(), Some((PositionArray::Named(word.to_owned()), 4)), 1)
                 }
                 Some(Global::Block(block)) if self.is_constant(word) => {
                     let member = self.word(at + 2);
@@ -284,7 +284,7 @@ impl<'a> Text<'a> {
     /// Returns the attribute in `vec4(…)` of the words `start..end`, and the number of its
     /// components. The forms are `(a, 1.0)`, `(a.xyz, 1.0)`, `(a.xy, 0.0, 1.0)`, `(a.x, a.y, a.z,
     /// 1.0)`.
-    fn point(&self, start: usize, end: usize) -> Option<(Attribute, usize)> {
+    fn point(&self, start: usize, end: usize) -> Option<(PositionArray, usize)> {
         let mut name = None;
         let (mut components, mut constants) = (0, Vec::new());
         for part in self.words[start..end].split(|word| *word == ",") {
@@ -309,8 +309,8 @@ impl<'a> Text<'a> {
         };
         let name = name.filter(|name| constants == rest && self.is_constant(name))?;
         let attribute = match name {
-            "gl_Vertex" if self.is_built_in(name) => Attribute::Conventional,
-            _ => Attribute::Named(name.to_owned()),
+            "gl_Vertex" if self.is_built_in(name) => PositionArray::Conventional,
+            _ => PositionArray::Named(name.to_owned()),
         };
         Some((attribute, components))
     }

@@ -1,7 +1,7 @@
 //! Texts that are proven, and texts that must not be proven.
 
-use crate::intercept::gl::shader::source::prover::Attribute;
 use crate::intercept::gl::shader::source::prover::Factor;
+use crate::intercept::gl::shader::source::prover::PositionArray;
 use crate::intercept::gl::shader::source::prover::Proof;
 use crate::intercept::gl::shader::source::prover::prove;
 
@@ -12,8 +12,8 @@ fn proof(factors: &[&str], attribute: &str, components: usize) -> Option<Proof> 
         name => Factor::Uniform(name.to_owned()),
     };
     let attribute = match attribute {
-        "" => Attribute::Conventional,
-        name => Attribute::Named(name.to_owned()),
+        "" => PositionArray::Conventional,
+        name => PositionArray::Named(name.to_owned()),
     };
     Some(Proof { factors: factors.iter().map(factor).collect(), attribute, components })
 }

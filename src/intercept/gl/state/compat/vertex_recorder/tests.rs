@@ -1,19 +1,19 @@
 //! Tests of recording between Begin and End.
 
-use crate::intercept::gl::state::compat::vertex_commands::Command;
+use crate::intercept::gl::state::compat::vertex_commands::VertexCommand;
 use crate::intercept::gl::state::compat::vertex_recorder::{Recorder, Sets};
 
 #[test]
 fn what_comes_only_after_a_vertex_is_late() {
     let mut recorder = Recorder::default();
-    recorder.push(Command::color3fv, Sets::Color, &[], &[1.0f32; 3]);
-    recorder.push(Command::vertex3fv, Sets::Position, &[], &[1.0f32; 3]);
-    recorder.push(Command::color3fv, Sets::Color, &[], &[0.0f32; 3]);
+    recorder.push(VertexCommand::color3fv, Sets::Color, &[], &[1.0f32; 3]);
+    recorder.push(VertexCommand::vertex3fv, Sets::Position, &[], &[1.0f32; 3]);
+    recorder.push(VertexCommand::color3fv, Sets::Color, &[], &[0.0f32; 3]);
     assert_eq!((recorder.sets_late(), recorder.sets_others_late()), ([false; 3], false));
-    recorder.push(Command::normal3fv, Sets::Normal, &[], &[0.0f32; 3]);
-    recorder.push(Command::multi_tex_coord2fv, Sets::TextureUnit, &[0x84C0], &[0.0f32; 2]);
+    recorder.push(VertexCommand::normal3fv, Sets::Normal, &[], &[0.0f32; 3]);
+    recorder.push(VertexCommand::multi_tex_coord2fv, Sets::TextureUnit, &[0x84C0], &[0.0f32; 2]);
     assert_eq!((recorder.sets_late(), recorder.sets_others_late()), ([false, true, true], false));
-    recorder.push(Command::vertex_attrib1fv, Sets::Generic, &[3], &[0.0f32]);
+    recorder.push(VertexCommand::vertex_attrib1fv, Sets::Generic, &[3], &[0.0f32]);
     assert!(recorder.sets_others_late());
     recorder.clear();
     assert!(!recorder.sets_anything() && !recorder.sets_others_late());
@@ -23,7 +23,7 @@ fn what_comes_only_after_a_vertex_is_late() {
 fn materials_and_high_numbers_are_always_late() {
     for (sets, prefix) in [(Sets::Material, [0x408, 0x1600]), (Sets::Generic, [999, 0])] {
         let mut recorder = Recorder::default();
-        recorder.push(Command::vertex_attrib4fv, sets, &prefix, &[0.0f32; 4]);
+        recorder.push(VertexCommand::vertex_attrib4fv, sets, &prefix, &[0.0f32; 4]);
         assert!(recorder.sets_others_late(), "{sets:?}");
     }
 }
@@ -33,11 +33,11 @@ fn materials_and_high_numbers_are_always_late() {
 #[test]
 fn commands_can_be_read() {
     let mut recorder = Recorder::default();
-    recorder.push(Command::color4ubv, Sets::Color, &[], &[255u8, 0, 51, 255]);
-    recorder.push(Command::multi_tex_coord2dv, Sets::TextureUnit, &[0x84C1], &[0.25f64, -3.0]);
-    recorder.push(Command::normal3sv, Sets::Normal, &[], &[i16::MAX, i16::MIN, 0]);
-    recorder.push(Command::vertex2iv, Sets::Position, &[], &[7i32, -9]);
-    recorder.push(Command::color_p3uiv, Sets::Color, &[], &[7u32]);
+    recorder.push(VertexCommand::color4ubv, Sets::Color, &[], &[255u8, 0, 51, 255]);
+    recorder.push(VertexCommand::multi_tex_coord2dv, Sets::TextureUnit, &[0x84C1], &[0.25f64, -3.0]);
+    recorder.push(VertexCommand::normal3sv, Sets::Normal, &[], &[i16::MAX, i16::MIN, 0]);
+    recorder.push(VertexCommand::vertex2iv, Sets::Position, &[], &[7i32, -9]);
+    recorder.push(VertexCommand::color_p3uiv, Sets::Color, &[], &[7u32]);
     let read: Vec<_> = recorder
         .commands()
         .map(|command| {
@@ -82,7 +82,7 @@ fn nothing_is_allocated_again() {
     let mut recorder = Recorder::default();
     let fill = |recorder: &mut Recorder| {
         for _ in 0..100 {
-            recorder.push(Command::vertex_attrib4_nubv, Sets::ConvertedGeneric, &[0], &[1u8, 2, 3, 4]);
+            recorder.push(VertexCommand::vertex_attrib4_nubv, Sets::ConvertedGeneric, &[0], &[1u8, 2, 3, 4]);
         }
     };
     fill(&mut recorder);
