@@ -108,7 +108,11 @@
 
 #define CUPOLA_RING_NAME_BYTES 64
 
-/* Format: four bytes for each pixel, red first, alpha is 255; rows from the top, without gaps. */
+/* Formats: red first, rows from the top, without gaps. A reader refuses a picture whose format it does
+ * not know.
+ * RGBA8: four bytes for each pixel, alpha is 255. RGBA16: four numbers of 16 bits for each pixel in the
+ * machine's byte order, alpha is 65535; only with CUPOLA_PUBLISH_DEPTH=16. */
 #define CUPOLA_RING_RGBA8 1
+#define CUPOLA_RING_RGBA16 2
 
 #endif

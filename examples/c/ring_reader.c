@@ -169,7 +169,10 @@ static int open_ring(ring *r, const char *path, int before)
     return 0;
 }
 
-/* Copies the first picture of frame `number`. 1: done; 0: the writer has overwritten it; -1: the file is damaged. */
+/*
+ * Copies the first picture of frame `number`. 1: done; 0: the writer has overwritten it; -1: the file is damaged, or
+ * has other pictures.
+ */
 static int copy(const ring *r, uint64_t number, frame *f)
 {
     const uint64_t *slot = r->words + r->first_slot + number % r->slots * r->slot_words;
@@ -206,7 +209,7 @@ static int copy(const ring *r, uint64_t number, frame *f)
     return is_good ? 1 : -1;
 }
 
-/* Reads the next frame. 1: done; 0: the program has ended; -1: the file is damaged. */
+/* Reads the next frame. 1: done; 0: the program has ended; -1: the file is damaged, or has other pictures. */
 static int next_frame(ring *r, const char *path, frame *f)
 {
     for (;;) {
@@ -267,7 +270,7 @@ int main(int argc, char **argv)
     while ((result = next_frame(&r, argv[1], &f)) == 1)
         printf("frame %" PRIu64 " %s %" PRIu64 "x%" PRIu64 "\n", f.index, f.name, f.width, f.height);
     if (result < 0)
-        fprintf(stderr, "ring_reader: %s is damaged\n", argv[1]);
+        fprintf(stderr, "ring_reader: %s is damaged, or its pictures do not have 8 bits for each colour\n", argv[1]);
     if (r.words) {
         printf("lost %" PRIu64 "\n", load(reader_word(&r, r.entry, CUPOLA_RING_READER_LOST)));
         store(reader_word(&r, r.entry, CUPOLA_RING_READER_STATE), CUPOLA_RING_FREE);

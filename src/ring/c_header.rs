@@ -1,6 +1,6 @@
 //! Compares the numbers of `include/cupola_ring.h` with those of [`layout`].
 
-use super::layout::{self, ReaderWords, header, picture, slot};
+use super::layout::{self, Format, ReaderWords, header, picture, slot};
 use crate::system::SharedMemory;
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicU64;
@@ -59,7 +59,8 @@ fn expected() -> BTreeMap<String, String> {
         ("PICTURE_FORMAT", picture::FORMAT),
         ("PICTURE_WORDS", picture::WORDS),
         ("NAME_BYTES", layout::NAME_BYTES),
-        ("RGBA8", layout::RGBA8 as usize),
+        ("RGBA8", Format::Rgba8.number() as usize),
+        ("RGBA16", Format::Rgba16.number() as usize),
     ];
     let magic = layout::MAGIC.to_ne_bytes();
     let magic = format!("\"{}\"", String::from_utf8_lossy(&magic));

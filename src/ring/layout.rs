@@ -88,7 +88,7 @@ pub mod picture {
     pub const WIDTH: usize = 9;
     /// Its height in pixels.
     pub const HEIGHT: usize = 10;
-    /// Its format: [`RGBA8`](super::RGBA8).
+    /// Its format: the number of a [`Format`](super::Format).
     pub const FORMAT: usize = 11;
     /// Words of a picture.
     pub const WORDS: usize = 16;
@@ -98,9 +98,39 @@ pub mod picture {
 pub const NAME_BYTES: usize = 64;
 /// Pictures that a frame can have.
 pub const PICTURES: usize = 64;
-/// Four bytes for each pixel, red first, as they are displayed; rows from the top without gaps,
-/// alpha is 255.
-pub const RGBA8: u64 = 1;
+/// Format of a picture's pixels: red first, values as they are displayed, rows from the top without
+/// gaps, alpha is the largest value.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Format {
+    /// Four bytes for each pixel.
+    #[default]
+    Rgba8,
+    /// Four numbers of 16 bits for each pixel, in the machine's byte order.
+    Rgba16,
+}
+
+impl Format {
+    /// Its number in the file.
+    pub const fn number(self) -> u64 {
+        match self {
+            Self::Rgba8 => 1,
+            Self::Rgba16 => 2,
+        }
+    }
+
+    /// Format with this number.
+    pub fn of(number: u64) -> Option<Self> {
+        [Self::Rgba8, Self::Rgba16].into_iter().find(|format| format.number() == number)
+    }
+
+    /// Bytes of a pixel.
+    pub const fn pixel_bytes(self) -> usize {
+        match self {
+            Self::Rgba8 => 4,
+            Self::Rgba16 => 8,
+        }
+    }
+}
 
 /// Pixels begin at whole pages.
 const PAGE_WORDS: usize = 512;
@@ -110,8 +140,9 @@ pub const SLOT_HEAD: usize = (slot::TABLE + PICTURES * picture::WORDS).next_mult
 pub const FIRST_SLOT: usize = (FIRST_READER + READERS * READER_WORDS).next_multiple_of(PAGE_WORDS);
 
 /// Number of words of a picture's pixels; `None` if they do not fit into memory.
-pub fn pixel_words(width: u32, height: u32) -> Option<usize> {
-    Some((width as usize).checked_mul(height as usize)?.checked_mul(4)?.div_ceil(8).next_multiple_of(8))
+pub fn pixel_words((width, height): (u32, u32), format: Format) -> Option<usize> {
+    let pixels = (width as usize).checked_mul(height as usize)?;
+    Some(pixels.checked_mul(format.pixel_bytes())?.div_ceil(8).next_multiple_of(8))
 }
 
 /// Words of a reader in the file.

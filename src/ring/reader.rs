@@ -1,7 +1,8 @@
 //! The side of readers: `cupola record` and others.
 
 use super::layout::{
-    self, ACTIVE, ENDED, EXPECTED, FREE, OPEN, READERS, REPLACED, ReaderWords, header, picture, set, slot, value,
+    self, ACTIVE, ENDED, EXPECTED, FREE, Format, OPEN, READERS, REPLACED, ReaderWords, header, picture, set, slot,
+    value,
 };
 use crate::error::{Error, ErrorKind, Result};
 use crate::system::SharedMemory;
@@ -24,6 +25,8 @@ pub struct Reader {
     next: u64,
     /// Number of frames that were lost before it.
     lost: u64,
+    /// True if it also takes pictures of 16 bits.
+    takes_deep: bool,
 }
 
 /// Numbers of the header, checked against the size of the file.
@@ -41,8 +44,10 @@ pub struct Picture {
     pub name: String,
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Four bytes for each pixel, red first, rows from the top.
+    /// Its pixels, red first, rows from the top.
     pub rgba: Vec<u8>,
+    /// Format of the pixels: [`Format::Rgba8`], unless the reader asked for others.
+    pub format: Format,
 }
 
 /// A frame.
@@ -103,6 +108,13 @@ impl Reader {
         Ok(reader)
     }
 
+    /// Also takes pictures with 16 bits for each colour. Other readers refuse them.
+    #[must_use]
+    pub fn taking_deep(mut self) -> Self {
+        self.takes_deep = true;
+        self
+    }
+
     /// `before`: entry in the previous file, and number of the next frame.
     fn begin(path: &Path, before: Option<(usize, u64)>) -> Result<Self> {
         let failed = |text: String| Error::new(ErrorKind::Io, format!("{}: {text}", path.display()));
@@ -132,7 +144,7 @@ impl Reader {
         // A writer may wait for its first reader.
         memory.words()[header::TAKEN].fetch_add(1, Ordering::Release);
         memory.wake(header::TAKEN);
-        Ok(Self { path: path.to_owned(), entry, shape, next, lost: 0, memory })
+        Ok(Self { path: path.to_owned(), entry, shape, next, lost: 0, takes_deep: false, memory })
     }
 
     fn words(&self) -> ReaderWords<'_> {
@@ -202,7 +214,7 @@ impl Reader {
     /// Continues with the file that replaced this one.
     fn follow(&mut self) -> Result<()> {
         let mut next = Self::begin(&self.path, Some((self.entry, self.next)))?;
-        next.lost = self.lost;
+        (next.lost, next.takes_deep) = (self.lost, self.takes_deep);
         *self = next;
         Ok(())
     }
@@ -244,10 +256,11 @@ impl Reader {
             let side = |at: usize| u32::try_from(word(entry + at)).ok();
             let pixels = word(entry + picture::PIXELS) as usize;
             let size = side(picture::WIDTH).zip(side(picture::HEIGHT));
-            let words = size.and_then(|(width, height)| layout::pixel_words(width, height));
+            let format = self.format(word(entry + picture::FORMAT))?;
+            let words = size.and_then(|size| layout::pixel_words(size, format));
             let fits =
                 words.and_then(|words| words.checked_add(pixels)).is_some_and(|end| end <= self.shape.slot_words);
-            let (Some(size), true) = (size, fits && word(entry + picture::FORMAT) == layout::RGBA8) else {
+            let (Some(size), true) = (size, fits) else {
                 return Err(self.damaged());
             };
             let mut name = [0; layout::NAME_BYTES];
@@ -257,11 +270,27 @@ impl Reader {
             if copy.name != name {
                 copy.name = name.into_owned();
             }
-            copy.size = size;
-            copy.rgba.resize(size.0 as usize * size.1 as usize * 4, 0);
+            (copy.size, copy.format) = (size, format);
+            copy.rgba.resize(size.0 as usize * size.1 as usize * format.pixel_bytes(), 0);
             self.memory.read(slot + pixels, &mut copy.rgba);
         }
         Ok(())
+    }
+
+    fn format(&self, number: u64) -> Result<Format> {
+        let refused = |text: String| Error::new(ErrorKind::Io, format!("{}: {text}", self.path.display()));
+        match Format::of(number) {
+            Some(Format::Rgba16) if !self.takes_deep => Err(refused(
+                "these frames have 16 bits for each colour, which only cupola record takes; publish them without \
+                 CUPOLA_PUBLISH_DEPTH=16"
+                    .to_owned(),
+            )),
+            Some(format) => Ok(format),
+            None => Err(refused(format!(
+                "the pixels have the format {number}, which this version of Cupola does not know; use the version that \
+                 the program runs with"
+            ))),
+        }
     }
 
     fn damaged(&self) -> Error {

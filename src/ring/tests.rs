@@ -1,5 +1,5 @@
 use super::layout::{self, ACTIVE, ReaderWords, header};
-use super::{Frame, Next, Reader, Shape, Writer};
+use super::{Format, Frame, Next, Reader, Shape, Writer};
 use crate::system::SharedMemory;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -13,7 +13,11 @@ fn path(name: &str) -> PathBuf {
 }
 
 fn shapes(sizes: &[(u32, u32)]) -> Vec<Shape> {
-    sizes.iter().enumerate().map(|(i, size)| Shape { name: format!("output {i}"), size: *size }).collect()
+    sizes
+        .iter()
+        .enumerate()
+        .map(|(i, size)| Shape { name: format!("output {i}"), size: *size, format: Format::Rgba8 })
+        .collect()
 }
 
 /// The pixels of a picture of frame `index`.
@@ -264,5 +268,32 @@ fn what_is_no_ring_is_refused() {
         layout::set(&memory, table + word, right);
         reader = Reader::open(&path).expect("a reader");
     }
+    writer.end();
+}
+
+#[test]
+fn deep_pictures_are_for_readers_that_ask_for_them() {
+    let path = path("deep");
+    let shape = Shape { name: "output".into(), size: (3, 2), format: Format::Rgba16 };
+    let mut writer = Writer::create(&path, &[shape], 3, false).expect("a ring");
+    let (reader, usual) = (Reader::open(&path).expect("a reader"), Reader::open(&path).expect("a reader"));
+    let (mut reader, mut usual, mut frame) = (reader.taking_deep(), usual, Frame::default());
+    let colors: Vec<u16> = (0..24).map(|i| if i % 4 == 3 { u16::MAX } else { 40_000 + i }).collect();
+    let bytes: Vec<u8> = colors.iter().flat_map(|color| color.to_ne_bytes()).collect();
+    let mut transparent = bytes.clone();
+    transparent[6] = 0;
+    writer.publish(1, 1000, |pictures| {
+        (0..).zip(transparent.chunks_exact(24)).for_each(|(y, row)| pictures.row(0, y, row));
+    });
+    assert_eq!(reader.next(SOON, &mut frame).expect("whole"), Next::Frame);
+    assert!(frame.pictures[0].rgba == bytes && frame.pictures[0].format == Format::Rgba16);
+    let refused = usual.next(SOON, &mut frame).expect_err("a picture of 16 bits").message;
+    assert!(refused.contains("16 bits for each colour"), "{refused}");
+    // A format of a later version.
+    let memory = SharedMemory::open(&path).expect("memory");
+    let entry = layout::FIRST_SLOT + layout::slot::TABLE + layout::picture::FORMAT;
+    layout::set(&memory, entry, 9);
+    let refused = usual.next(SOON, &mut frame).expect_err("a picture of an unknown format").message;
+    assert!(refused.contains("the format 9"), "{refused}");
     writer.end();
 }

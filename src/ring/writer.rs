@@ -1,7 +1,7 @@
 //! The program's side.
 
 use super::layout::{
-    self, ENDED, EXPECTED, FREE, OPEN, READERS, REPLACED, RGBA8, ReaderWords, header, picture, set, slot, value,
+    self, ENDED, EXPECTED, FREE, Format, OPEN, READERS, REPLACED, ReaderWords, header, picture, set, slot, value,
 };
 use crate::error::{Error, ErrorKind, Result};
 use crate::system::SharedMemory;
@@ -16,6 +16,8 @@ pub const LEAST_SLOTS: usize = 3;
 
 /// Alpha 255 of two pixels, as a word.
 const OPAQUE: u64 = u64::from_ne_bytes([0, 0, 0, 255, 0, 0, 0, 255]);
+/// Alpha of one pixel of 16 bits in a word.
+const OPAQUE_DEEP: u64 = u64::from_ne_bytes([0, 0, 0, 0, 0, 0, 255, 255]);
 
 /// Interval at which a waiting writer checks whether its readers are still alive.
 const LOOK: Duration = Duration::from_millis(100);
@@ -27,6 +29,8 @@ pub struct Shape {
     pub name: String,
     /// Width and height in pixels.
     pub size: (u32, u32),
+    /// Format of its pixels.
+    pub format: Format,
 }
 
 /// Publishes the frames of this program.
@@ -81,7 +85,7 @@ impl Writer {
         let (mut pixels, mut slot_words) = (Vec::new(), layout::SLOT_HEAD);
         for shape in shapes {
             pixels.push(slot_words);
-            let words = layout::pixel_words(shape.size.0, shape.size.1).ok_or_else(too_large)?;
+            let words = layout::pixel_words(shape.size, shape.format).ok_or_else(too_large)?;
             slot_words = slot_words.checked_add(words).ok_or_else(too_large)?;
         }
         let words = slot_words.checked_mul(slots).and_then(|words| words.checked_add(layout::FIRST_SLOT));
@@ -151,7 +155,7 @@ impl Writer {
             set(&self.memory, entry + picture::PIXELS, *pixels as u64);
             set(&self.memory, entry + picture::WIDTH, shape.size.0.into());
             set(&self.memory, entry + picture::HEIGHT, shape.size.1.into());
-            set(&self.memory, entry + picture::FORMAT, RGBA8);
+            set(&self.memory, entry + picture::FORMAT, shape.format.number());
         }
     }
 
@@ -324,14 +328,18 @@ pub struct Pictures<'a> {
 }
 
 impl Pictures<'_> {
-    /// Writes row `y`, counted from the top, of picture `number`: 4 bytes for each pixel, of which
-    /// the last is written as 255. Rows that are not written stay as they were in an earlier frame.
-    /// Pixels outside the picture are left out.
+    /// Writes row `y`, counted from the top, of picture `number`, in its format. Alpha is written as
+    /// the largest value. Rows that are not written stay as they were in an earlier frame. Pixels
+    /// outside the picture are left out.
     pub fn row(&mut self, number: usize, y: u32, row: &[u8]) {
         let (Some(shape), Some(pixels)) = (self.shapes.get(number), self.pixels.get(number)) else { return };
         let (width, height) = (shape.size.0 as usize, shape.size.1);
-        let row = &row[..row.len().min(width * 4)];
+        let row = &row[..row.len().min(width * shape.format.pixel_bytes())];
         if y >= height {
+            return;
+        }
+        if shape.format == Format::Rgba16 {
+            self.memory.write_or(self.slot + pixels + y as usize * width, row, OPAQUE_DEEP);
             return;
         }
         // Two pixels are one word, so that a row may begin in the middle of a word.

@@ -199,7 +199,7 @@ fn a_mirror_that_is_killed_leaves_the_others() {
 fn a_mirror_leaves_the_pictures_of_others_alone() {
     let folder = scratch("taken");
     let taken = folder.join("ring-mirror-1");
-    let shape = Shape { name: "other".into(), size: (4, 4) };
+    let shape = Shape { name: "other".into(), size: (4, 4), format: cupola::ring::Format::Rgba8 };
     let writer = Writer::create(&taken, &[shape], 3, false).expect("a ring");
     let published = format!("--publish={}", folder.join("ring").display());
     let nodes = ["node", "--local", "2", "--mirror", "--headless", &published];

@@ -5,7 +5,7 @@ use crate::compare::expect_similar;
 use crate::harness::tests;
 use crate::picture::Picture;
 use crate::programs::{Finished, Run, scratch};
-use cupola::ring::{Frame, Next, Reader};
+use cupola::ring::{Format, Frame, Next, Reader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -16,6 +16,8 @@ tests! {
     a_domemaster_beside_the_window_is_as_one_in_it,
     vulkan_publishes_the_same,
     a_reader_in_c_gets_the_same,
+    pictures_of_16_bits_have_more_levels,
+    vulkan_publishes_16_bits,
 }
 
 const LIMIT: Duration = Duration::from_secs(60);
@@ -34,7 +36,7 @@ fn read(path: &Path, has_ended: &AtomicBool) -> Seen {
     let (mut seen, mut frame) = (Seen::default(), Frame::default());
     let mut reader = loop {
         match Reader::open(path) {
-            Ok(reader) => break reader,
+            Ok(reader) => break reader.taking_deep(),
             Err(_) if has_ended.load(Relaxed) => return seen,
             Err(_) => std::thread::sleep(Duration::from_millis(5)),
         }
@@ -52,7 +54,7 @@ fn recorded(run: &Run<'_>, start: impl Fn(&Run<'_>) -> Option<Finished>, options
     let file: PathBuf = scratch("published").join("ring");
     let publish = format!("--publish={}", file.display());
     let options: Vec<&str> = options.iter().copied().chain([publish.as_str()]).collect();
-    let environment = [("CUPOLA_PUBLISH_WAIT", "1")];
+    let environment = [run.environment, &[("CUPOLA_PUBLISH_WAIT", "1")]].concat();
     let run = Run { cupola: &options, environment: &environment, ..run.clone() };
     let has_ended = AtomicBool::new(false);
     std::thread::scope(|scope| {
@@ -134,6 +136,79 @@ fn vulkan_publishes_the_same() {
         assert!(picture(&seen.last, &found.name) == captured, "{}", found.name);
     }
     assert_eq!(seen.last.pictures.len(), 6);
+}
+
+const DEEP: (&str, &str) = ("CUPOLA_PUBLISH_DEPTH", "16");
+
+/// Compares the published pictures of 16 bits with the captured ones of 8 bits of the same frame.
+fn expect_deep(finished: &Finished, seen: &Seen, what: &str) {
+    let mut most = 0;
+    for found in &seen.last.pictures {
+        let several = seen.last.pictures.len() > 1;
+        let name = if several { format!("capture-{}.png", found.name) } else { "capture.png".to_owned() };
+        let captured = finished.picture(&name);
+        assert_eq!(found.format, Format::Rgba16, "{what}");
+        let (width, height) = (found.size.0 as usize, found.size.1 as usize);
+        assert_eq!((captured.width, captured.height), (width, height));
+        let colors: Vec<u16> = found.rgba.as_chunks::<2>().0.iter().map(|bytes| u16::from_ne_bytes(*bytes)).collect();
+        let pixels = colors.as_chunks::<4>().0;
+        assert!(pixels.iter().all(|pixel| pixel[3] == u16::MAX), "{what}: alpha");
+        let rounded = |color: u16| ((u32::from(color) + 128) / 257) as u8;
+        let at = |x: usize, y: usize| pixels[y * width + x];
+        let deep = Picture::from_fn(width, height, |x, y| [0, 1, 2].map(|channel| rounded(at(x, y)[channel])));
+        let (_, greatest) = deep.difference(&captured);
+        assert!(greatest <= 1, "{what}, {}: differs by {greatest} levels from the window", found.name);
+        let levels =
+            |channel: usize| pixels.iter().map(|pixel| pixel[channel]).collect::<std::collections::BTreeSet<_>>();
+        let between = pixels.iter().flatten().filter(|color| !color.is_multiple_of(257)).count();
+        crate::harness::note(format_args!(
+            "{what}, {}: {:?} levels, {between} of {} values between those of 8 bits",
+            found.name,
+            [0, 1, 2].map(|channel| levels(channel).len()),
+            pixels.len() * 3
+        ));
+        most = (0..3).map(|channel| levels(channel).len()).chain([most]).max().unwrap_or(0);
+        // Controls: a picture that is shifted by a pixel, and the rounded picture.
+        let shifted = Picture::from_fn(width, height, |x, y| captured.at((x + 1).min(width - 1), y));
+        assert!(deep.difference(&shifted).1 > 1, "{what}: a shift is not detected");
+    }
+    assert!(most > 256, "{what}: no more than 8 bits");
+}
+
+/// A rig whose pictures have more than 8 bits although the views have 8: sums of several texels have
+/// more. Mesa's own filter rounds to the bits of the texels, so the correction filters by itself.
+pub fn filtered() -> PathBuf {
+    let file = scratch("filtered").join("rig.toml");
+    let text = "[views]\nfilter = \"catmull-rom\"\n[[output]]\nkind = \"domemaster\"\n";
+    std::fs::write(&file, text).expect("a rig");
+    file
+}
+
+fn pictures_of_16_bits_have_more_levels() {
+    let filtered = filtered();
+    for (program, rig) in [("core330_mvp", filtered.to_str().expect("UTF-8")), ("immediate", "planetarium-2")] {
+        let run = Run { frames: 4, cupola_frames: 4, environment: &[DEEP], ..Run::new(program) };
+        let Some((finished, seen)) = recorded(&run, |run| run.under(rig), &[]) else { return };
+        let finished = finished.expect_no_gl_errors();
+        assert_eq!((&seen.indices, seen.lost), (&(1..=4).collect(), 0), "{program}");
+        expect_deep(&finished, &seen, program);
+    }
+    // A context that cannot do it says so.
+    let run = Run { frames: 4, cupola_frames: 4, environment: &[DEEP], ..Run::new("gles2") };
+    let Some((finished, seen)) = recorded(&run, |run| run.under("fisheye"), &[]) else { return };
+    assert_eq!(seen.last.pictures[0].format, Format::Rgba8);
+    assert!(finished.words().contains("OpenGL ES have 8 bits"), "{}", finished.words());
+}
+
+fn vulkan_publishes_16_bits() {
+    let filtered = filtered();
+    for rig in [filtered.to_str().expect("UTF-8"), "planetarium-6"] {
+        let run = Run { size: (240, 200), frames: 5, cupola_frames: 5, environment: &[DEEP], ..Run::new("vk_cube") };
+        let under = |run: &Run<'_>| run.vulkan_under(rig);
+        let Some((finished, seen)) = recorded(&run, under, &["--frames", "5"]) else { return };
+        assert_eq!((&seen.indices, seen.lost), (&(1..=5).collect(), 0));
+        expect_deep(&finished, &seen, rig);
+    }
 }
 
 /// Builds the example that uses only `cupola_ring.h`, in both languages.

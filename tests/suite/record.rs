@@ -11,6 +11,9 @@ tests! {
     two_recordings_are_equal,
     an_interrupted_recording_goes_on,
     several_outputs_have_a_folder_each,
+    a_range_has_the_frames_of_the_whole_recording,
+    files_of_16_bits_and_open_exr,
+    a_recording_without_flat_drawing,
 }
 
 const FRAMES: usize = 6;
@@ -18,10 +21,14 @@ const FRAMES: usize = 6;
 /// Records a program that moves by time and random numbers. The program itself draws `drawn`
 /// frames.
 fn record(out: &Path, drawn: usize, options: &[&str]) -> Option<Finished> {
-    let run = Run { frames: drawn, size: (96, 96), ..Run::new("by_time") };
+    let options = [options, &["--frames", "6"]].concat();
+    record_run(out, &Run { frames: drawn, size: (96, 96), ..Run::new("by_time") }, &options)
+}
+
+/// Records a program.
+fn record_run(out: &Path, run: &Run<'_>, options: &[&str]) -> Option<Finished> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
-    command.env("CUPOLA_LIBRARY", library()).arg("record").args(options);
-    command.args(["--frames", &FRAMES.to_string(), "--out"]).arg(out).arg("--");
+    command.env("CUPOLA_LIBRARY", library()).arg("record").args(options).arg("--out").arg(out).arg("--");
     let place = display::place();
     command.arg(built().join(run.program)).args(run.arguments(&place));
     Finished::of(command, run.program, "record")
@@ -91,4 +98,123 @@ fn several_outputs_have_a_folder_each() {
     finished.expect_success();
     let first = image::open(beside.join("domemaster_000001.png")).expect("a picture");
     assert_eq!((first.width(), first.height(), files(&beside).len()), (64, 64, FRAMES));
+}
+
+fn a_range_has_the_frames_of_the_whole_recording() {
+    let folder = scratch("range");
+    let whole = folder.join("whole");
+    let Some(finished) = record(&whole, FRAMES, &["--name", "Show"]) else { return };
+    finished.expect_success();
+    let whole = files(&whole);
+    let run = Run { frames: FRAMES, size: (96, 96), ..Run::new("by_time") };
+    for (name, options, numbers) in [
+        ("frames", &["--from", "3", "--to", "5"][..], 3..=5),
+        ("length", &["--from", "0.05s", "--frames", "2"], 4..=5),
+        ("times", &["--from", "0.05s", "--to", "0.1s"], 4..=6),
+        ("beginning", &["--to", "2"], 1..=2),
+    ] {
+        let part = folder.join(name);
+        let options = [options, &["--name", "Show"]].concat();
+        let Some(finished) = record_run(&part, &run, &options) else { return };
+        finished.expect_success();
+        let part = files(&part);
+        let names: Vec<String> = numbers.map(|number| format!("Show_{number:06}.png")).collect();
+        assert_eq!(part.keys().collect::<Vec<_>>(), names.iter().collect::<Vec<_>>());
+        assert!(part.iter().all(|(name, bytes)| whole[name] == *bytes), "{name} differs from the whole recording");
+        // Control: the frames differ from each other.
+        assert!(part[&names[0]] != part[&names[1]]);
+    }
+    // A range that is interrupted goes on with its own numbers.
+    let part = folder.join("frames");
+    std::fs::remove_file(part.join("Show_000005.png")).expect("removed");
+    let options = ["--from", "3", "--to", "5", "--name", "Show"];
+    let Some(finished) = record_run(&part, &run, &options) else { return };
+    assert!(finished.expect_success().words().contains("goes on with frame 5"));
+    assert!(files(&part)["Show_000005.png"] == whole["Show_000005.png"]);
+    let Some(finished) = record_run(&folder.join("wrong"), &run, &["--from", "5", "--to", "4"]) else { return };
+    assert!(!finished.succeeded() && finished.words().contains("--to: frame 4 is before frame 5"));
+}
+
+/// Light of a value by the curve of sRGB.
+fn light(value: f64) -> f64 {
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+}
+
+fn files_of_16_bits_and_open_exr() {
+    use exr::prelude::{ReadChannels, ReadLayers, read};
+    let folder = scratch("deep");
+    let run = Run { frames: 2, ..Run::new("core330_mvp") };
+    let rig = crate::published::filtered();
+    let rig = ["--rig", rig.to_str().expect("UTF-8"), "--frames", "2", "--name", "A"];
+    for (name, options) in [("usual", &[][..]), ("deep", &["--depth", "16"]), ("exr", &["--exr"])] {
+        let Some(finished) = record_run(&folder.join(name), &run, &[options, &rig].concat()) else { return };
+        finished.expect_success();
+    }
+    let open = |name: &str| image::open(folder.join(name)).expect("a picture");
+    let usual = open("usual/A_000002.png");
+    assert_eq!(usual.color(), image::ColorType::Rgb8);
+    let (usual, deep) = (usual.into_rgb8(), open("deep/A_000002.png"));
+    assert_eq!(deep.color(), image::ColorType::Rgb16);
+    let deep = deep.into_rgb16();
+    let levels: std::collections::BTreeSet<u16> = deep.pixels().map(|pixel| pixel[0]).collect();
+    assert!(levels.len() > 256, "{}", levels.len());
+    let far = |usual: &image::RgbImage| {
+        let values = deep.pixels().zip(usual.pixels()).flat_map(|(deep, usual)| (0..3).map(|i| (deep[i], usual[i])));
+        values.map(|(deep, usual)| (f64::from(deep) / 257.0 - f64::from(usual)).abs()).fold(0.0, f64::max)
+    };
+    assert!(far(&usual) <= 1.0, "{}", far(&usual));
+    assert!(far(&image::imageops::flip_horizontal(&usual)) > 1.0, "another picture is not detected");
+    let file = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgb_channels(
+            |size, _| (size.width(), vec![(0.0, 0.0, 0.0); size.area()]),
+            |(width, pixels): &mut (usize, Vec<(f32, f32, f32)>),
+             place: exr::prelude::Vec2<usize>,
+             pixel: (f32, f32, f32)| pixels[place.y() * *width + place.x()] = pixel,
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .from_file(folder.join("exr/A_000002.exr"))
+        .expect("an OpenEXR file");
+    let lights = &file.layer_data.channel_data.pixels.1;
+    assert_eq!(lights.len(), deep.pixels().len());
+    // Half floats have 11 bits.
+    let is_near = |light: f32, value: u16| {
+        let expected = self::light(f64::from(value) / 65535.0);
+        (f64::from(light) - expected).abs() <= expected / 2000.0 + 1e-7
+    };
+    let all_near = |deep: &image::ImageBuffer<image::Rgb<u16>, Vec<u16>>| {
+        lights.iter().zip(deep.pixels()).all(|(light, pixel)| {
+            is_near(light.0, pixel[0]) && is_near(light.1, pixel[1]) && is_near(light.2, pixel[2])
+        })
+    };
+    assert!(all_near(&deep), "OpenEXR and PNG differ");
+    assert!(!all_near(&image::imageops::flip_horizontal(&deep)), "another picture is not detected");
+    // OpenGL ES publishes 8 bits: the recording says so, and writes nothing.
+    let es = Run { frames: 2, ..Run::new("gles2") };
+    let Some(finished) = record_run(&folder.join("es"), &es, &["--frames", "2", "--depth", "16"]) else { return };
+    assert!(!finished.succeeded() && finished.words().contains("8 bits for each colour"), "{}", finished.words());
+    assert!(files(&folder.join("es")).is_empty());
+}
+
+/// The program draws half-transparent squares over a cube.
+fn a_recording_without_flat_drawing() {
+    let folder = scratch("flat");
+    let run = |program| Run { frames: 2, ..Run::new(program) };
+    let mut pictures = Vec::new();
+    for (program, options) in [("hud", &[][..]), ("hud", &["--no-overlay"]), ("immediate", &[])] {
+        let options = [options, &["--frames", "2", "--name", "A"]].concat();
+        let out = folder.join(pictures.len().to_string());
+        let Some(finished) = record_run(&out, &run(program), &options) else { return };
+        finished.expect_success();
+        pictures.push(crate::picture::Picture::load(&out.join("A_000002.png")));
+    }
+    let [with, without, alone] = &pictures[..] else { unreachable!() };
+    assert!(with.difference(without).0 > 100, "the squares are not left out");
+    assert!(
+        without.difference(alone).1 <= 2,
+        "something else than the squares is left out: {:?}",
+        without.difference(alone)
+    );
 }

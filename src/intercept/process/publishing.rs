@@ -25,6 +25,8 @@ struct Publishing {
     /// Frames of other windows since the last frame of the published one.
     of_others: u32,
     left_out: u64,
+    /// Number of frames of the published window that came before the first published one.
+    before: u64,
     pace: Pace,
 }
 
@@ -54,6 +56,7 @@ static PUBLISHING: Mutex<Publishing> = Mutex::new(Publishing {
     window: None,
     of_others: 0,
     left_out: 0,
+    before: 0,
     pace: Pace { last: None },
 });
 
@@ -87,6 +90,10 @@ pub fn wants(window: u64) -> bool {
         }
     }
     (publishing.window, publishing.of_others) = (Some(window), 0);
+    if publishing.before + 1 < settings.publish_from {
+        publishing.before += 1;
+        return false;
+    }
     let (now, least) = (crate::system::monotonic(), settings.publish_interval);
     least == 0 || publishing.pace.takes(now, least, live::known_version())
 }
@@ -94,6 +101,11 @@ pub fn wants(window: u64) -> bool {
 /// True if the program waits for the readers of its frames.
 pub fn waits() -> bool {
     settings::settings().is_some_and(|settings| settings.publish_waits)
+}
+
+/// True if the published pictures have 16 bits for each colour.
+pub fn is_deep() -> bool {
+    settings::settings().is_some_and(|settings| settings.publish_deep)
 }
 
 /// Publishes a frame with pictures of these names and sizes. `fill` writes the pictures.

@@ -47,11 +47,17 @@ pub struct Settings {
     pub stats_every: Option<Duration>,
     /// `CUPOLA_OFFSCREEN=1`: outputs at their own resolution, for captures only.
     pub offscreen: bool,
+    /// False for `CUPOLA_OVERLAY=0`: flat drawing is left out.
+    pub overlay: bool,
     /// `CUPOLA_PUBLISH=FILE` (`1`: the default file; `0`: none): finished pictures for other
     /// processes. Without the variable, pictures are published if the rig says so.
     pub publish: Option<PathBuf>,
     /// `CUPOLA_PUBLISH_WAIT=1`: the program waits for the readers, which then lose no picture.
     pub publish_waits: bool,
+    /// `CUPOLA_PUBLISH_FROM=N`: frames before this one are not published.
+    pub publish_from: u64,
+    /// `CUPOLA_PUBLISH_DEPTH=16`: the published pictures have 16 bits for each colour.
+    pub publish_deep: bool,
     /// `CUPOLA_PUBLISH_RATE=N`: at most N frames a second are published. The field holds the least
     /// time between two frames, in nanoseconds; 0: all frames are published.
     pub publish_interval: u64,
@@ -129,6 +135,8 @@ fn read() -> crate::Result<Settings> {
         publish: publish_path(&rig),
         publish_interval: parsed("CUPOLA_PUBLISH_RATE", "30", parse_interval)?.unwrap_or(0),
         publish_waits: text("CUPOLA_PUBLISH_WAIT").is_some_and(|v| v == "1"),
+        publish_from: parsed("CUPOLA_PUBLISH_FROM", "100", |n| n.parse().ok())?.unwrap_or(1),
+        publish_deep: parsed("CUPOLA_PUBLISH_DEPTH", "16", parse_depth)?.unwrap_or(false),
         domemaster,
         place,
         has_mirrors,
@@ -147,6 +155,7 @@ fn read() -> crate::Result<Settings> {
         inspect: path("CUPOLA_INSPECT"),
         stats: path("CUPOLA_STATS"),
         stats_every: parsed("CUPOLA_STATS_EVERY", "1", parse_length)?,
+        overlay: text("CUPOLA_OVERLAY").is_none_or(|v| v != "0"),
         offscreen: text("CUPOLA_OFFSCREEN").is_some_and(|v| v == "1"),
         mask: parsed("CUPOLA_MASK", "0", parse_mask)?.unwrap_or(Mask::Auto),
         cull: text("CUPOLA_CULL").is_none_or(|v| v != "0"),
@@ -168,6 +177,15 @@ fn path(name: &str) -> Option<PathBuf> {
 fn parsed<T>(name: &str, example: &str, parse: impl FnOnce(&str) -> Option<T>) -> crate::Result<Option<T>> {
     let Some(value) = text(name) else { return Ok(None) };
     parse(&value).map(Some).ok_or_else(|| wrong(name, &value, example))
+}
+
+/// Parses a number of bits. Returns whether it is 16.
+fn parse_depth(text: &str) -> Option<bool> {
+    match text {
+        "8" => Some(false),
+        "16" => Some(true),
+        _ => None,
+    }
 }
 
 /// Returns the file of the published frames; `None` if none are published.

@@ -11,8 +11,13 @@ pub struct OwnFramebuffer {
 }
 
 impl OwnFramebuffer {
-    /// Makes a framebuffer of this size in pixels.
+    /// Makes a framebuffer of this size in pixels, with 8 bits for each colour.
     pub fn new(gl: &Gl, width: i32, height: i32) -> Self {
+        Self::with_format(gl, (width, height), api::GL_RGBA8)
+    }
+
+    /// Makes a framebuffer of this size in pixels and this format.
+    pub fn with_format(gl: &Gl, (width, height): (i32, i32), format: u32) -> Self {
         let canvas = Self { framebuffer: own_names::framebuffer(gl), texture: own_names::texture(gl) };
         // SAFETY: makes objects of Cupola; the bindings that change are restored.
         unsafe {
@@ -20,7 +25,7 @@ impl OwnFramebuffer {
             gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bound);
             gl.get_integerv(api::GL_TEXTURE_BINDING_2D, &mut texture);
             gl.bind_texture(api::GL_TEXTURE_2D, canvas.texture);
-            gl.tex_storage2_d(api::GL_TEXTURE_2D, 1, api::GL_RGBA8, width, height);
+            gl.tex_storage2_d(api::GL_TEXTURE_2D, 1, format, width, height);
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, canvas.framebuffer);
             gl.framebuffer_texture2_d(
                 api::GL_DRAW_FRAMEBUFFER,

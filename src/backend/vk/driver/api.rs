@@ -157,7 +157,7 @@ impl Api {
     }
 
     /// Returns the possible uses of images of `format` with optimal tiling.
-    pub(in crate::backend::vk) fn features(&self, format: vk::Format) -> vk::FormatFeatureFlags {
+    pub fn features(&self, format: vk::Format) -> vk::FormatFeatureFlags {
         // SAFETY: the physical device is one of the instance's.
         unsafe { self.instance.get_physical_device_format_properties(self.physical_device, format) }
             .optimal_tiling_features

@@ -6,13 +6,14 @@
 
 pub mod film;
 mod numbered;
+mod open_exr;
 
 use crate::failure::Failure;
 use crate::launch::clock::{Rate, rate};
-use crate::pipe::Format;
+use crate::pipe;
 use crate::run::{self, Options};
 use crate::terminal;
-use cupola::ring::{self, Frame, Next, Picture, Reader};
+use cupola::ring::{self, Format, Frame, Next, Picture, Reader};
 use cupola::system::{self, process};
 use indicatif::HumanBytes;
 use std::ffi::OsString;
@@ -39,12 +40,25 @@ pub struct Arguments {
     /// Frames per second of the recording, for example 60, 59.94 or 60000/1001
     #[arg(long, value_name = "FPS", value_parser = rate, default_value = "60")]
     fps: Rate,
+    /// Frame or time at which the recording begins, for example 301 or 5s; what comes before is drawn
+    /// and not written
+    #[arg(long, value_name = "FRAME|SECONDS", value_parser = moment, default_value = "1")]
+    from: Moment,
+    /// Last frame, or time at which the recording ends, instead of --frames
+    #[arg(long, value_name = "FRAME|SECONDS", value_parser = moment, conflicts_with = "frames")]
+    to: Option<Moment>,
     /// Folder of the recording; it is created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Prefix of the file names [default: the output's name]
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
+    /// Bits of each colour: 16 makes larger pictures, whose values are not rounded to 8 bits
+    #[arg(long, value_name = "8|16", value_parser = depth, default_value = "8", conflicts_with_all = ["film", "pipe"])]
+    depth: Format,
+    /// Write OpenEXR pictures instead of PNG: half floats of linear light
+    #[arg(long, conflicts_with_all = ["film", "pipe", "depth"])]
+    exr: bool,
     /// Write a film with ffmpeg instead of pictures
     #[arg(long, value_name = "h264|h265|prores")]
     film: Option<film::Preset>,
@@ -53,7 +67,7 @@ pub struct Arguments {
     pipe: Option<String>,
     /// Format of these pictures
     #[arg(long, value_name = "nut|y4m|raw", requires = "pipe", default_value = "nut")]
-    format: Format,
+    format: pipe::Format,
     /// Program and its arguments
     #[arg(trailing_var_arg = true, required = true)]
     program: Vec<OsString>,
@@ -67,14 +81,71 @@ trait Sink: Send {
     fn finish(&mut self) -> Result<String, Failure>;
 }
 
+/// Moment of a recording.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Moment {
+    /// Number of a frame, from 1.
+    Frame(u64),
+    /// Seconds from the start.
+    Seconds(f64),
+}
+
+impl Moment {
+    /// First frame that begins at this moment or later. Frame 1 is at 0.
+    fn first(self, rate: Rate) -> u64 {
+        match self {
+            Self::Frame(frame) => frame,
+            // A moment that was rounded to the beginning of a frame means this frame.
+            Self::Seconds(seconds) => (seconds * rate.frames as f64 / rate.seconds as f64 - 1e-6).ceil() as u64 + 1,
+        }
+    }
+
+    /// Last frame of a recording until this moment.
+    fn last(self, rate: Rate) -> u64 {
+        match self {
+            Self::Frame(frame) => frame,
+            Self::Seconds(_) => self.first(rate) - 1,
+        }
+    }
+}
+
+/// Parses a frame, such as `301`, or a time in seconds, such as `5s`.
+fn moment(text: &str) -> Result<Moment, String> {
+    let seconds = text.strip_suffix('s').and_then(|text| text.parse().ok());
+    let seconds = seconds.filter(|seconds| (0.0..1e9).contains(seconds)).map(Moment::Seconds);
+    let frame = || text.parse().ok().filter(|frame| *frame > 0).map(Moment::Frame);
+    seconds
+        .or_else(frame)
+        .ok_or_else(|| "expected the number of a frame, from 1, or a time such as 5s or 2.5s".to_owned())
+}
+
+/// Parses a number of bits.
+fn depth(text: &str) -> Result<Format, String> {
+    match text {
+        "8" => Ok(Format::Rgba8),
+        "16" => Ok(Format::Rgba16),
+        _ => Err("expected 8 or 16".to_owned()),
+    }
+}
+
 /// Runs the subcommand. Returns the exit code of the program.
 pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
-    let Arguments { mut options, fps, out, name, film, pipe, format, program } = arguments;
-    let Some(frames) = options.frames else {
-        return Err(Failure::usage(
-            "the length of the recording is missing: give --frames N, for example --frames 600",
-        ));
+    let Arguments { mut options, fps, from, to, out, name, depth, exr, film, pipe, format, program } = arguments;
+    let first = from.first(fps);
+    let frames = match (options.frames, to.map(|to| to.last(fps))) {
+        (Some(frames), _) => frames,
+        (None, Some(last)) => last
+            .checked_sub(first - 1)
+            .filter(|frames| *frames > 0)
+            .ok_or_else(|| Failure::usage(format!("--to: frame {last} is before frame {first} of --from")))?,
+        (None, None) => {
+            return Err(Failure::usage(
+                "the length of the recording is missing: give --frames N, for example --frames 600, or --to",
+            ));
+        }
     };
+    options.frames = Some(first.saturating_add(frames - 1));
+    options.published_from = (first > 1).then_some(first);
     if options.clock.clock.is_some() {
         return Err(Failure::usage("--clock: a recording has the clock of its --fps; leave this option out"));
     }
@@ -88,11 +159,12 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         .map_err(|error| Failure::usage(format!("the folder {} cannot be created: {error}", out.display())))?;
     options.clock.clock = Some(fps);
     options.waits_for_readers = true;
+    options.deep_pictures = exr || depth == Format::Rgba16;
     let ring = options.publish.take().filter(|file| !file.as_os_str().is_empty()).unwrap_or_else(own_ring);
     options.publish = Some(ring.clone());
     let taker = film.map(film::Taker::Film).or(pipe.map(|command| film::Taker::Command(command, format)));
     let sink: Box<dyn Sink> = match taker {
-        None => Box::new(numbered::Folder::new(&out, name)),
+        None => Box::new(numbered::Folder::new(&out, name, numbered::Kind::new(depth, exr), first)),
         Some(taker) => Box::new(film::Receivers::new(&out, name, taker, fps)),
     };
     let has_ended = AtomicBool::new(false);
@@ -146,7 +218,7 @@ impl Recorder<'_> {
         loop {
             let ended = self.has_ended.load(Ordering::SeqCst);
             match Reader::open(self.ring) {
-                Ok(reader) => return Ok(reader),
+                Ok(reader) => return Ok(reader.taking_deep()),
                 Err(_) if !ended => std::thread::sleep(LOOK),
                 Err(_) => {
                     return Err(Failure::new(
@@ -202,4 +274,25 @@ impl Recorder<'_> {
 fn file_name(name: &str) -> String {
     let safe: String = name.chars().map(|c| if c == '/' || c.is_control() { '_' } else { c }).collect();
     safe.strip_prefix('.').map_or_else(|| safe.clone(), |rest| format!("_{rest}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_are_frames_or_times() {
+        let rate = Rate { frames: 60, seconds: 1 };
+        let of = |text: &str| moment(text).map(|moment| (moment.first(rate), moment.last(rate)));
+        assert_eq!(of("301"), Ok((301, 301)));
+        assert_eq!(of("5s"), Ok((301, 300)));
+        assert_eq!(of("0s"), Ok((1, 0)));
+        assert_eq!(of("0.05s"), Ok((4, 3)));
+        assert_eq!(of("0.051s"), Ok((5, 4)));
+        let television = Rate { frames: 60_000, seconds: 1001 };
+        assert_eq!(moment("1.001s").map(|moment| moment.first(television)), Ok(61));
+        for wrong in ["", "0", "-1", "s", "-1s", "infs", "5m", "1.5"] {
+            assert!(moment(wrong).is_err(), "{wrong}");
+        }
+    }
 }

@@ -22,6 +22,8 @@ impl Options {
         environment.extend(name.map(|name| ("CUPOLA_PROFILE", Some(name))));
         environment.extend(self.published(&rig)?.map(|file| ("CUPOLA_PUBLISH", Some(file))));
         environment.extend(self.waits_for_readers.then(|| ("CUPOLA_PUBLISH_WAIT", Some("1".into()))));
+        environment.extend(self.published_from.map(|from| ("CUPOLA_PUBLISH_FROM", Some(from.to_string().into()))));
+        environment.extend(self.deep_pictures.then(|| ("CUPOLA_PUBLISH_DEPTH", Some("16".into()))));
         environment.extend(self.clock.environment()?);
         if let Some((place, page)) = &self.node {
             environment.push(("CUPOLA_NODE", Some(place.into())));
@@ -54,6 +56,7 @@ fn settings(arguments: &Options, rig: &str) -> Result<Environment, Failure> {
     set("CUPOLA_OFFSCREEN", arguments.offscreen.then(|| "1".into()));
     set("CUPOLA_DOMEMASTER", arguments.domemaster.map(|side| side.to_string().into()));
     set("CUPOLA_DUPLICATE", arguments.duplicate.as_ref().map(Into::into));
+    set("CUPOLA_OVERLAY", arguments.no_overlay.then(|| "0".into()));
     set("CUPOLA_CULL", arguments.no_cull.then(|| "0".into()));
     set("CUPOLA_MASK", arguments.no_mask.then(|| "0".into()));
     set("CUPOLA_CACHE", arguments.no_cache.then(|| "0".into()));

@@ -68,6 +68,12 @@ pub struct Options {
     /// True if the program waits for the readers of its pictures, and ends with this command.
     #[arg(skip)]
     pub waits_for_readers: bool,
+    /// First frame that is published, from 1.
+    #[arg(skip)]
+    pub published_from: Option<u64>,
+    /// True if the published pictures have 16 bits for each colour.
+    #[arg(skip)]
+    pub deep_pictures: bool,
     /// Number of this machine among several, as `NUMBER/COUNT`, and the page through which its
     /// frames are released.
     #[arg(skip)]
@@ -81,6 +87,9 @@ pub struct Options {
     /// Publish a domemaster of N × N pixels that is drawn beside the window
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16384))]
     pub(super) domemaster: Option<u32>,
+    /// Leave out flat drawing, such as menus and text
+    #[arg(long)]
+    pub(super) no_overlay: bool,
     /// Draw everything in every view (no culling)
     #[arg(long)]
     pub(super) no_cull: bool,

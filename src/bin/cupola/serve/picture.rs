@@ -284,7 +284,7 @@ fn shrink(rgba: &[u8], (width, height): (u32, u32), to: &mut [u8], side: u32, pl
 mod tests {
     use super::*;
     use crate::launch::loader::Scratch;
-    use cupola::ring::{Shape, Writer};
+    use cupola::ring::{Format, Shape, Writer};
 
     #[test]
     fn places_do_not_overlap_and_keep_shapes() {
@@ -310,7 +310,7 @@ mod tests {
         let mut pictures = Pictures::new(&ring);
         assert!(pictures.next(0, 128, Duration::from_millis(60)).is_none());
         let shapes = [("left", (200, 100)), ("right", (100, 100))];
-        let shapes = shapes.map(|(name, size)| Shape { name: name.to_owned(), size });
+        let shapes = shapes.map(|(name, size)| Shape { name: name.to_owned(), size, format: Format::Rgba8 });
         let mut writer = Writer::create(&ring, &shapes, 3, false).expect("a ring");
         let colors: [[u8; 4]; 2] = [[200, 40, 40, 255], [40, 40, 200, 255]];
         let publish = |writer: &mut Writer, index: u64| {

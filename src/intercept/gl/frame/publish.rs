@@ -7,7 +7,8 @@ use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::context::read_pixels::while_reading;
 use crate::intercept::gl::state::frame::publishing::Publishing;
 use crate::intercept::process::publishing::{self, Stamp};
-use crate::intercept::process::settings;
+use crate::intercept::process::{log, settings};
+use crate::ring::Format;
 use std::sync::Arc;
 
 /// Returns true if frames of the context's window are published.
@@ -62,10 +63,16 @@ fn fitting(ctx: &mut Context) -> Option<Box<Publishing>> {
     }
     let profile = &ctx.driver.profile;
     let later = profile.version >= if profile.es { 30 } else { 32 };
+    // OpenGL ES has no such canvas, and reads no such pixels.
+    let is_deep = publishing::is_deep() && !profile.es;
+    if publishing::is_deep() && profile.es {
+        log::once("the published pictures of OpenGL ES have 8 bits for each colour");
+    }
+    let format = (later, if is_deep { Format::Rgba16 } else { Format::Rgba8 });
     let new = match session {
         None => {
             let whole = ("window".to_owned(), LowerLeftRect::of_size(window));
-            Publishing::new(gl, (None, window), std::iter::once(whole), std::iter::empty(), later)
+            Publishing::new(gl, (None, window), std::iter::once(whole), std::iter::empty(), format)
         }
         Some(session) => {
             let (rig, plan) = (session.rig(), session.plan());
@@ -73,18 +80,25 @@ fn fitting(ctx: &mut Context) -> Option<Box<Publishing>> {
             let own_size = settings::settings().is_some_and(|settings| settings.offscreen);
             let beside = (rig.outputs.len()..plan.passes.len()).filter(|index| plan.passes[*index].here);
             let shown = rig.published_outputs();
-            let (in_window, elsewhere): (Vec<_>, Vec<_>) = if own_size {
+            // The window has 8 bits, so pictures with more are drawn again outside of it.
+            let (in_window, elsewhere): (Vec<_>, Vec<_>) = if own_size || is_deep {
                 (Vec::new(), shown.chain(beside).collect())
             } else {
                 (shown.collect(), beside.collect())
             };
             let named = |index: usize| plan.passes[index].name.clone();
+            let size = |index: usize| match places.get(index) {
+                Some(LowerLeftRect { width, height, .. }) if !own_size => {
+                    (u32::try_from(*width).unwrap_or(0), u32::try_from(*height).unwrap_or(0))
+                }
+                _ => plan.passes[index].size,
+            };
             Publishing::new(
                 gl,
                 (Some(Arc::clone(session)), window),
                 in_window.into_iter().map(|index| (named(index), places[index])),
-                elsewhere.into_iter().map(|index| (named(index), index, plan.passes[index].size)),
-                later,
+                elsewhere.into_iter().map(|index| (named(index), index, size(index))),
+                format,
             )
         }
     };

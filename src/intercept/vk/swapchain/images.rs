@@ -1,8 +1,10 @@
 //! Images that Cupola makes for a swapchain.
 
+use crate::backend::vk::Api;
 use crate::error::{Error, ErrorKind};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::own_image::OwnImage;
+use crate::intercept::vk::state::swapchains::formats::TexelFormat;
 use crate::intercept::vk::state::views::view_target::{ATLAS_FLAGS, ATLAS_USAGE};
 use ash::vk;
 
@@ -69,6 +71,25 @@ pub(super) unsafe fn atlas_image(
     unsafe { OwnImage::new(&device.driver, &image) }
 }
 
+/// Uses of [`own_target`].
+const OWN_TARGET_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
+    vk::ImageUsageFlags::COLOR_ATTACHMENT.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_SRC.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_DST.as_raw(),
+);
+
+/// Returns the format of 16 bits for published pictures of windows of `format`, with the layout of
+/// its texels; `None` if the device does not convert between the two.
+pub(super) fn deep_format(api: &Api, format: vk::Format) -> Option<(vk::Format, TexelFormat)> {
+    use vk::FormatFeatureFlags as Feature;
+    let converted = Feature::BLIT_SRC | Feature::BLIT_DST;
+    let drawn = converted | Feature::COLOR_ATTACHMENT | Feature::COLOR_ATTACHMENT_BLEND;
+    let formats =
+        [(vk::Format::R16G16B16A16_UNORM, TexelFormat::Rgba16), (vk::Format::R16G16B16A16_SFLOAT, TexelFormat::Half)];
+    let is_converted = api.features(plain_format(format)).contains(converted);
+    formats.into_iter().find(|(deep, _)| is_converted && api.features(*deep).contains(drawn))
+}
+
 /// Makes an image that the correction draws to, and that is then copied.
 ///
 /// # Safety
@@ -85,7 +106,7 @@ pub(super) unsafe fn own_target(
         .mip_levels(1)
         .array_layers(1)
         .samples(vk::SampleCountFlags::TYPE_1)
-        .usage(vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC);
+        .usage(OWN_TARGET_USAGE);
     // SAFETY: as promised.
     unsafe { OwnImage::new(&device.driver, &image) }
 }

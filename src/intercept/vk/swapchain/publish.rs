@@ -6,6 +6,7 @@ use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::Queue;
 use crate::intercept::vk::state::swapchains::Swapchain;
 use crate::intercept::vk::state::swapchains::publishing::Publishing;
+use crate::intercept::vk::swapchain::images::deep_format;
 use ash::vk;
 use std::sync::Arc;
 
@@ -71,11 +72,17 @@ unsafe fn new(device: &Device, queue: Queue, managed: &Swapchain) -> ash::prelud
     };
     let rig = stand_in.layout.session.rig();
     let places = rig.layout(size);
+    // The last image outside of the window is the window itself in 16 bits.
+    let deep = stand_in.deep().map(|_| stand_in.beside.len());
+    let format = match deep.and_then(|_| deep_format(&device.driver.api, stand_in.format)) {
+        Some((_, deep)) => deep,
+        None => format,
+    };
     let shown = rig.published_outputs().map(|index| {
         let place = places[index];
         let offset = vk::Offset2D { x: place.x as i32, y: place.y as i32 };
         let extent = vk::Extent2D { width: place.width, height: place.height };
-        (rig.outputs[index].name.clone(), None, vk::Rect2D { offset, extent })
+        (rig.outputs[index].name.clone(), deep, vk::Rect2D { offset, extent })
     });
     let beside = rig.beside.iter().enumerate().take(stand_in.beside.len());
     let beside =

@@ -177,10 +177,31 @@ impl StandIn {
                     }
                 }
             }
-            if let Some(between) = self.between.as_ref().filter(|_| show.corrects()) {
-                commands.barrier(real, ANYTHING, COPIED_TO);
-                commands.copy(between.image, real, commands.whole());
-                commands.barrier(real, COPIED_TO, PRESENTED);
+            match (self.between, self.narrow) {
+                (Some(between), Some(narrow)) if show.corrects() => {
+                    commands.barrier(narrow.image, ANYTHING, COPIED_TO);
+                    commands.convert(between.image, narrow.image);
+                    commands.barrier(narrow.image, COPIED_TO, COPIED_FROM);
+                    commands.barrier(real, ANYTHING, COPIED_TO);
+                    commands.copy(narrow.image, real, commands.whole());
+                    commands.barrier(real, COPIED_TO, PRESENTED);
+                }
+                (Some(between), Some(narrow)) => {
+                    commands.barrier(real, PRESENTED, COPIED_FROM);
+                    commands.barrier(narrow.image, ANYTHING, COPIED_TO);
+                    commands.copy(real, narrow.image, commands.whole());
+                    commands.barrier(narrow.image, COPIED_TO, COPIED_FROM);
+                    commands.barrier(between.image, ANYTHING, COPIED_TO);
+                    commands.convert(narrow.image, between.image);
+                    commands.barrier(between.image, COPIED_TO, COPIED_FROM);
+                    commands.barrier(real, COPIED_FROM, PRESENTED);
+                }
+                (Some(between), None) if show.corrects() => {
+                    commands.barrier(real, ANYTHING, COPIED_TO);
+                    commands.copy(between.image, real, commands.whole());
+                    commands.barrier(real, COPIED_TO, PRESENTED);
+                }
+                _ => {}
             }
         }
         Ok(())
@@ -225,6 +246,24 @@ impl Commands<'_> {
     unsafe fn barrier(&self, image: vk::Image, from: Use, to: Use) {
         // SAFETY: as promised.
         unsafe { barrier(&self.device.driver, self.buffer, image, from, to) };
+    }
+
+    /// Copies the whole window from an image of one format to one of another.
+    ///
+    /// # Safety
+    /// As for [`Commands::copy`]; the device converts between the formats.
+    unsafe fn convert(&self, from: vk::Image, to: vk::Image) {
+        let (width, height) = self.window;
+        let corners = [vk::Offset3D::default(), vk::Offset3D { x: width as i32, y: height as i32, z: 1 }];
+        let region = vk::ImageBlit::default()
+            .src_subresource(COLOR_LAYER)
+            .src_offsets(corners)
+            .dst_subresource(COLOR_LAYER)
+            .dst_offsets(corners);
+        let (functions, filter) = (&self.device.driver.functions, vk::Filter::NEAREST);
+        let (read, written) = (COPIED_FROM.layout, COPIED_TO.layout);
+        // SAFETY: as promised.
+        unsafe { functions.cmd_blit_image(self.buffer, from, read, to, written, &[region], filter) };
     }
 
     /// # Safety

@@ -1,16 +1,32 @@
 //! Stand-in images for a swapchain, an atlas for each, and the images that the correction draws to.
 
-use super::images::{atlas_image, own_target, plain_format, program_image, refused};
+use super::images::{atlas_image, deep_format, own_target, plain_format, program_image, refused};
 use crate::backend::vk::{SourceImage, TargetImage, VkBackend};
 use crate::error::Result;
+use crate::intercept::process::{log, publishing, settings};
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::driver::own_image::{COPIED_FROM, COPIED_TO, PRESENTED, color_view};
+use crate::intercept::vk::state::driver::own_image::{COPIED_FROM, COPIED_TO, OwnImage, PRESENTED, color_view};
 use crate::intercept::vk::state::swapchains::{PictureSource, Slot, StandIn};
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::views::view_target::ViewTarget;
 use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
+
+/// Returns the format that the correction writes for windows of this format.
+fn target_format(device: &Device, format: vk::Format) -> vk::Format {
+    let usual = plain_format(format);
+    if !publishing::is_deep() {
+        return usual;
+    }
+    match deep_format(&device.driver.api, format) {
+        Some((deep, _)) => deep,
+        None => {
+            log::once("Vulkan: published pictures have no more bits than the window: the device cannot convert them");
+            usual
+        }
+    }
+}
 
 impl StandIn {
     /// Makes the stand-in images for the swapchain that the driver made with `info`, with its
@@ -33,11 +49,13 @@ impl StandIn {
             real: real.to_vec(),
             targets: Vec::new(),
             between: None,
+            narrow: None,
             beside: Vec::new(),
             beside_images: Vec::new(),
             slots: Vec::new(),
             backend: VkBackend::new(&device.driver.api),
             format: plain_format(info.image_format),
+            target_format: target_format(device, info.image_format),
             family: u32::MAX,
             pool: vk::CommandPool::null(),
             uploaded: false,
@@ -112,7 +130,7 @@ impl StandIn {
     }
 
     /// Adds the targets of the correction: the real images, or one image that is then copied to
-    /// them, if their format converts values.
+    /// them, if their format converts values, or if pictures of 16 bits are published.
     ///
     /// # Safety
     /// As for [`StandIn::new`].
@@ -120,15 +138,19 @@ impl StandIn {
         let same = vk::ComponentMapping::default();
         // SAFETY: as promised; every object is stored in `self` as soon as it is made.
         unsafe {
-            if self.format == info.image_format {
+            if self.target_format == info.image_format {
                 for image in &self.real {
                     let view = color_view(&device.driver, *image, self.format, same);
                     self.targets.push(view.map_err(refused("a view of the window"))?);
                 }
             } else {
-                let between = own_target(device, self.format, info.image_extent).map_err(refused("an image"))?;
+                let own = |format| own_target(device, format, info.image_extent).map_err(refused("an image"));
+                let between = own(self.target_format)?;
                 self.between = Some(between);
-                let view = between.view(&device.driver, self.format, same);
+                if self.target_format != self.format {
+                    self.narrow = Some(own(self.format)?);
+                }
+                let view = between.view(&device.driver, self.target_format, same);
                 self.targets.push(view.map_err(refused("a view of an image"))?);
             }
         }
@@ -145,23 +167,30 @@ impl StandIn {
             // SAFETY: as promised; every object is stored in `self` as soon as it is made.
             unsafe {
                 let extent = vk::Extent2D { width, height };
-                let image = own_target(device, self.format, extent).map_err(refused("an image"))?;
+                let image = own_target(device, self.target_format, extent).map_err(refused("an image"))?;
                 let (_, view) = self.beside.push_mut((image, vk::ImageView::null()));
                 self.beside_images.push(image.image);
                 *view = image
-                    .view(&device.driver, self.format, vk::ComponentMapping::default())
+                    .view(&device.driver, self.target_format, vk::ComponentMapping::default())
                     .map_err(refused("a view of an image"))?;
             }
         }
+        self.beside_images.extend(self.deep().map(|between| between.image));
         Ok(())
+    }
+
+    /// The picture of the window in 16 bits, if such pictures are published.
+    pub(super) fn deep(&self) -> Option<OwnImage> {
+        self.between.filter(|_| self.narrow.is_some())
     }
 
     /// Prepares a backend to correct by a plan with the same positions of the views as in this
     /// stand-in image.
     fn prepare(&self, backend: &mut VkBackend, layout: &AtlasLayout) -> Result<()> {
-        backend.prepare(&layout.plan, true, self.format)?;
+        let has_panel = settings::settings().is_none_or(|settings| settings.overlay);
+        backend.prepare(&layout.plan, has_panel, self.target_format)?;
         backend.set_sources(&self.sources(self.format))?;
-        backend.set_targets(&self.target_images(self.format))
+        backend.set_targets(&self.target_images(self.target_format))
     }
 
     /// Corrects by another plan from the next picture on, with the same views in the same window.
@@ -302,8 +331,8 @@ impl StandIn {
                 slot.atlas.destroy(&device.driver);
                 slot.given.destroy(&device.driver);
             }
-            if let Some(between) = self.between.take() {
-                between.destroy(&device.driver);
+            for own in [self.between.take(), self.narrow.take()].into_iter().flatten() {
+                own.destroy(&device.driver);
             }
             self.beside_images.clear();
             for (image, view) in self.beside.drain(..) {

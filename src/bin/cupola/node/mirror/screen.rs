@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::node::pictures::{Head, PictureLink};
-use cupola::ring::{Picture, Shape, Writer};
+use cupola::ring::{Format, Picture, Shape, Writer};
 use cupola::system;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -54,7 +54,7 @@ impl Screen {
             match head {
                 Some(Head::Picture { frame, left, size, name }) => {
                     let rgba = std::mem::replace(&mut pixels, self.spare.pop().unwrap_or_default());
-                    self.next.push(Picture { name, size, rgba });
+                    self.next.push(Picture { name, size, rgba, format: Format::Rgba8 });
                     if left == 0 {
                         self.publish(frame)?;
                     }
@@ -74,7 +74,7 @@ impl Screen {
     fn publish(&mut self, frame: u64) -> Result<(), Failure> {
         let old = std::mem::replace(&mut self.newest, std::mem::take(&mut self.next));
         self.spare.extend(old.into_iter().map(|picture| picture.rgba));
-        let shape = |picture: &Picture| Shape { name: picture.name.clone(), size: picture.size };
+        let shape = |picture: &Picture| Shape { name: picture.name.clone(), size: picture.size, format: Format::Rgba8 };
         let shapes: Vec<Shape> = self.newest.iter().map(shape).collect();
         match &mut self.writer {
             Some(writer) if writer.shapes() == shapes => {}

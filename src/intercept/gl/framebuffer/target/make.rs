@@ -139,7 +139,7 @@ impl DefaultFramebuffer {
         if let Some(old) = &mut old {
             backend.inherit(&mut old.backend);
         }
-        let panel = session.panel().is_some();
+        let panel = session.panel().is_some() && settings::settings().is_none_or(|settings| settings.overlay);
         let surfaces = backend.prepare(gl, session.plan(), panel).and_then(|()| Surfaces::new(gl, &session, &config));
         let Surfaces { drawn, resolved, collected } = match surfaces {
             Ok(surfaces) => surfaces,

@@ -6,7 +6,7 @@ use crate::backend::gl::driver::own_names;
 use crate::backend::gl::{OwnFramebuffer, Target};
 use crate::correct::LowerLeftRect;
 use crate::intercept::process::publishing::{self, Stamp};
-use crate::ring::{Pictures, Shape};
+use crate::ring::{Format, Pictures, Shape};
 use crate::runtime::session::Session;
 use std::ffi::c_void;
 use std::sync::Arc;
@@ -39,6 +39,8 @@ pub struct Publishing {
     /// rectangle is empty if the output is not drawn.
     pub(in crate::intercept::gl) targets: Vec<Target>,
     canvases: Vec<OwnFramebuffer>,
+    /// Format of the published pixels.
+    format: Format,
     /// First byte of each picture.
     offsets: Vec<usize>,
     bytes: usize,
@@ -53,13 +55,14 @@ pub struct Publishing {
 impl Publishing {
     /// Returns the source of a window's pictures. `pictures`: name and rectangle of each picture in
     /// the window. `beside`: name, index in the plan, and size of each picture that is drawn
-    /// outside the window. `later`: the context has buffers and fences.
+    /// outside the window. `later`: the context has buffers and fences. `format`: of the published
+    /// pixels.
     pub fn new(
         gl: &Gl,
         (session, window): (Option<Arc<Session>>, (u32, u32)),
         pictures: impl Iterator<Item = (String, LowerLeftRect)>,
         beside: impl Iterator<Item = (String, usize, (u32, u32))>,
-        later: bool,
+        (later, format): (bool, Format),
     ) -> Self {
         let mut new = Self {
             session,
@@ -68,6 +71,7 @@ impl Publishing {
             places: Vec::new(),
             targets: Vec::new(),
             canvases: Vec::new(),
+            format,
             offsets: Vec::new(),
             bytes: 0,
             transfers: [Transfer::default(); FRAMES],
@@ -80,7 +84,8 @@ impl Publishing {
         }
         for (name, index, size) in beside {
             let viewport = LowerLeftRect::of_size(size);
-            let canvas = OwnFramebuffer::new(gl, viewport.width, viewport.height);
+            let of_canvas = if format == Format::Rgba16 { api::GL_RGBA16 } else { api::GL_RGBA8 };
+            let canvas = OwnFramebuffer::with_format(gl, (viewport.width, viewport.height), of_canvas);
             let target = Target { framebuffer: canvas.framebuffer, viewport };
             let nowhere = Target { framebuffer: canvas.framebuffer, viewport: LowerLeftRect::default() };
             new.targets.resize(new.targets.len().max(index + 1), nowhere);
@@ -100,10 +105,10 @@ impl Publishing {
         let LowerLeftRect { width, height, .. } = place.viewport;
         // An output outside of the window has nothing to read.
         if let (Ok(width @ 1..), Ok(height @ 1..)) = (u32::try_from(width), u32::try_from(height)) {
-            self.shapes.push(Shape { name, size: (width, height) });
+            self.shapes.push(Shape { name, size: (width, height), format: self.format });
             self.places.push(place);
             self.offsets.push(self.bytes);
-            self.bytes += width as usize * height as usize * 4;
+            self.bytes += width as usize * height as usize * self.format.pixel_bytes();
         }
     }
 
@@ -147,6 +152,7 @@ impl Publishing {
 
     /// Reads into a buffer or, if `buffer` is 0, into memory from `to` on.
     fn read_to(&self, gl: &Gl, buffer: u32, to: *mut c_void) {
+        let kind = if self.format == Format::Rgba16 { api::GL_UNSIGNED_SHORT } else { api::GL_UNSIGNED_BYTE };
         // SAFETY: the buffer, or the memory, has room for all pictures.
         unsafe {
             gl.bind_buffer(api::GL_PIXEL_PACK_BUFFER, buffer);
@@ -154,7 +160,7 @@ impl Publishing {
                 gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, place.framebuffer);
                 let LowerLeftRect { x, y, width, height } = place.viewport;
                 let at = to.wrapping_byte_add(*offset);
-                gl.read_pixels(x, y, width, height, api::GL_RGBA, api::GL_UNSIGNED_BYTE, at);
+                gl.read_pixels(x, y, width, height, api::GL_RGBA, kind, at);
             }
         }
     }
@@ -198,7 +204,7 @@ impl Publishing {
 
     fn write(&self, pictures: &mut Pictures<'_>, bytes: &[u8]) {
         for (number, (shape, offset)) in self.shapes.iter().zip(&self.offsets).enumerate() {
-            let row = shape.size.0 as usize * 4;
+            let row = shape.size.0 as usize * self.format.pixel_bytes();
             let pixels = &bytes[*offset..offset + row * shape.size.1 as usize];
             // OpenGL's first row is the lowest.
             (0..).zip(pixels.chunks_exact(row).rev()).for_each(|(y, row)| pictures.row(number, y, row));

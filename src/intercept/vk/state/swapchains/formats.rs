@@ -15,6 +15,8 @@ pub enum TexelFormat {
     Bgr10,
     /// Four floats of 16 bits, red first.
     Half,
+    /// Four numbers of 16 bits, red first. Only images of Cupola have it.
+    Rgba16,
 }
 
 impl TexelFormat {
@@ -36,7 +38,24 @@ impl TexelFormat {
 
     /// Returns the bytes of a texel.
     pub fn size(self) -> usize {
-        if self == Self::Half { 8 } else { 4 }
+        if matches!(self, Self::Half | Self::Rgba16) { 8 } else { 4 }
+    }
+
+    /// Returns red, green and blue of a texel in 16 bits, rounded; `bytes` as for
+    /// [`color`](Self::color).
+    pub fn deep_color(self, bytes: &[u8]) -> [u16; 3] {
+        let byte = |index: usize| bytes.get(index).copied().unwrap_or_default();
+        let word = u32::from_ne_bytes([byte(0), byte(1), byte(2), byte(3)]);
+        let ten = |shift: u32| (((word >> shift & 1023) * 65535 + 511) / 1023) as u16;
+        let number = |index: usize| u16::from_ne_bytes([byte(2 * index), byte(2 * index + 1)]);
+        let half = |index: usize| (of_half(number(index)) * 65535.0).round() as u16;
+        match self {
+            Self::Rgba8 | Self::Bgra8 => self.color(bytes).map(|color| u16::from(color) * 257),
+            Self::Rgb10 => [ten(0), ten(10), ten(20)],
+            Self::Bgr10 => [ten(20), ten(10), ten(0)],
+            Self::Half => [half(0), half(1), half(2)],
+            Self::Rgba16 => [number(0), number(1), number(2)],
+        }
     }
 
     /// Returns red, green and blue of a texel in 8 bits, rounded; `bytes` has [`size`](Self::size)
@@ -45,20 +64,22 @@ impl TexelFormat {
         let byte = |index: usize| bytes.get(index).copied().unwrap_or_default();
         let word = u32::from_ne_bytes([byte(0), byte(1), byte(2), byte(3)]);
         let ten = |shift: u32| (((word >> shift & 1023) * 255 + 511) / 1023) as u8;
-        let half = |index: usize| from_half(u16::from_ne_bytes([byte(2 * index), byte(2 * index + 1)]));
+        let number = |index: usize| u16::from_ne_bytes([byte(2 * index), byte(2 * index + 1)]);
+        let half = |index: usize| (of_half(number(index)) * 255.0).round() as u8;
+        let eight = |index: usize| ((u32::from(number(index)) + 128) / 257) as u8;
         match self {
             Self::Rgba8 => [byte(0), byte(1), byte(2)],
             Self::Bgra8 => [byte(2), byte(1), byte(0)],
             Self::Rgb10 => [ten(0), ten(10), ten(20)],
             Self::Bgr10 => [ten(20), ten(10), ten(0)],
             Self::Half => [half(0), half(1), half(2)],
+            Self::Rgba16 => [eight(0), eight(1), eight(2)],
         }
     }
 }
 
-/// Converts a 16-bit float (IEEE 754 binary16) of 0…1 to a byte. Values outside are clamped, and
-/// NaN becomes 0.
-fn from_half(bits: u16) -> u8 {
+/// Value of a 16-bit float (IEEE 754 binary16). Values outside 0…1 are clamped, and NaN becomes 0.
+fn of_half(bits: u16) -> f64 {
     let (exponent, fraction) = (i32::from(bits >> 10 & 31), f64::from(bits & 1023));
     let value = match exponent {
         0 => fraction * 2f64.powi(-24),
@@ -67,7 +88,7 @@ fn from_half(bits: u16) -> u8 {
         _ => (1024.0 + fraction) * 2f64.powi(exponent - 25),
     };
     let signed = if bits >> 15 == 1 { -value } else { value };
-    (signed.clamp(0.0, 1.0) * 255.0).round() as u8
+    signed.clamp(0.0, 1.0)
 }
 
 /// True if the values of a colour space are encoded for a display of the usual kind. The correction
@@ -99,6 +120,26 @@ mod tests {
         // 1, 0.5, −2.
         let half: Vec<u8> = [0x3c00u16, 0x3800, 0xc000, 0].iter().flat_map(|value| value.to_ne_bytes()).collect();
         assert_eq!(TexelFormat::Half.color(&half), [255, 128, 0]);
+        let sixteen: Vec<u8> = [65535u16, 32896, 257, 0].iter().flat_map(|value| value.to_ne_bytes()).collect();
+        assert_eq!(TexelFormat::Rgba16.color(&sixteen), [255, 128, 1]);
+    }
+
+    #[test]
+    fn deep_colors_round_to_the_usual_ones() {
+        let ten = 1023_u32 | 300 << 10 | 7 << 20;
+        for (format, texel) in [
+            (TexelFormat::Rgba8, vec![1, 2, 3, 9]),
+            (TexelFormat::Bgra8, vec![200, 128, 255, 9]),
+            (TexelFormat::Rgb10, ten.to_ne_bytes().to_vec()),
+            (TexelFormat::Bgr10, ten.to_ne_bytes().to_vec()),
+            (TexelFormat::Half, [0x3c00u16, 0x3801, 0x0400, 0].iter().flat_map(|value| value.to_ne_bytes()).collect()),
+            (TexelFormat::Rgba16, [65535u16, 300, 40_000, 0].iter().flat_map(|value| value.to_ne_bytes()).collect()),
+        ] {
+            let rounded = format.deep_color(&texel).map(|color| ((u32::from(color) + 128) / 257) as u8);
+            assert_eq!(rounded, format.color(&texel), "{format:?}");
+        }
+        let finer = TexelFormat::Rgb10.deep_color(&ten.to_ne_bytes());
+        assert_eq!(finer, [65535, 19219, 448], "not multiples of 257");
     }
 
     #[test]

@@ -64,13 +64,17 @@ pub struct StandIn {
     /// Image in between, needed if the real images encode the values that are written to them. The
     /// correction draws to it, and it is copied.
     pub(in crate::intercept::vk) between: Option<OwnImage>,
+    /// Image of the window's format between `between` and the real image, if `between` has 16 bits.
+    pub(in crate::intercept::vk) narrow: Option<OwnImage>,
     /// The outputs outside of the window that are published, with views.
     pub(in crate::intercept::vk) beside: Vec<(OwnImage, vk::ImageView)>,
     pub(in crate::intercept::vk) beside_images: Vec<vk::Image>,
     pub(in crate::intercept::vk) slots: Vec<Slot>,
     pub(in crate::intercept::vk) backend: VkBackend,
-    /// The format that the correction reads and writes.
+    /// The format that the correction reads.
     pub(in crate::intercept::vk) format: vk::Format,
+    /// The format that it writes: the same, or one of 16 bits.
+    pub(in crate::intercept::vk) target_format: vk::Format,
     pub(in crate::intercept::vk) family: u32,
     pub(in crate::intercept::vk) pool: vk::CommandPool,
     /// True if the masks are on the device.

@@ -6,7 +6,7 @@ use crate::intercept::vk::state::driver::Queue;
 use crate::intercept::vk::state::driver::own_image::{COLOR_LAYER, COPIED_FROM, PRESENTED, barrier};
 use crate::intercept::vk::state::swapchains::formats::TexelFormat;
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
-use crate::ring::{Pictures, Shape};
+use crate::ring::{Format, Pictures, Shape};
 use ash::prelude::VkResult;
 use ash::vk;
 use std::sync::Arc;
@@ -49,6 +49,8 @@ pub(in crate::intercept::vk) struct Publishing {
     pub(in crate::intercept::vk) family: u32,
     format: TexelFormat,
     shapes: Vec<Shape>,
+    /// Format of the published pixels.
+    published: Format,
     regions: Vec<Region>,
     bytes: usize,
     transfers: [Transfer; FRAMES],
@@ -75,6 +77,7 @@ impl Publishing {
         images: usize,
         pictures: impl Iterator<Item = (String, Option<usize>, vk::Rect2D)>,
     ) -> VkResult<Self> {
+        let published = if publishing::is_deep() { Format::Rgba16 } else { Format::Rgba8 };
         let (mut shapes, mut regions, mut bytes) = (Vec::new(), Vec::new(), 0_usize);
         for (name, beside, vk::Rect2D { offset, extent: vk::Extent2D { width, height } }) in pictures {
             if width == 0 || height == 0 {
@@ -86,15 +89,16 @@ impl Publishing {
                 .image_offset(vk::Offset3D { x: offset.x, y: offset.y, z: 0 })
                 .image_extent(vk::Extent3D { width, height, depth: 1 });
             bytes += (width as usize * height as usize * format.size()).next_multiple_of(ALIGNMENT);
-            shapes.push(Shape { name, size: (width, height) });
+            shapes.push(Shape { name, size: (width, height), format: published });
             regions.push(Region { beside, copy });
         }
-        let widest = shapes.iter().map(|shape| shape.size.0 as usize * 4).max().unwrap_or(0);
+        let widest = shapes.iter().map(|shape| shape.size.0 as usize * published.pixel_bytes()).max().unwrap_or(0);
         let mut new = Self {
             layout,
             family,
             format,
             shapes,
+            published,
             regions,
             bytes,
             transfers: Default::default(),
@@ -221,9 +225,10 @@ impl Publishing {
             let bytes = unsafe {
                 std::slice::from_raw_parts(std::ptr::with_exposed_provenance::<u8>(transfer.bytes), self.bytes)
             };
-            let (shapes, regions, row, format) = (&self.shapes, &self.regions, &mut self.row, self.format);
+            let (shapes, regions, row) = (&self.shapes, &self.regions, &mut self.row);
+            let formats = (self.format, self.published);
             publishing::publish(shapes, transfer.stamp, |pictures| {
-                write(pictures, shapes, regions, bytes, (format, row))
+                write(pictures, shapes, regions, bytes, (formats, row))
             });
             self.oldest += 1;
         }
@@ -252,19 +257,24 @@ fn write(
     shapes: &[Shape],
     regions: &[Region],
     bytes: &[u8],
-    (format, row): (TexelFormat, &mut Vec<u8>),
+    ((format, published), row): ((TexelFormat, Format), &mut Vec<u8>),
 ) {
     for (number, (shape, region)) in shapes.iter().zip(regions).enumerate() {
         let first = region.copy.buffer_offset as usize;
         let rows = bytes[first..].chunks_exact(shape.size.0 as usize * format.size());
         for (y, texels) in (0..shape.size.1).zip(rows) {
             row.clear();
-            match format {
-                TexelFormat::Rgba8 => {
+            match (format, published) {
+                (TexelFormat::Rgba8, Format::Rgba8) | (TexelFormat::Rgba16, Format::Rgba16) => {
                     pictures.row(number, y, texels);
                     continue;
                 }
-                TexelFormat::Bgra8 => {
+                (_, Format::Rgba16) => {
+                    let colors = texels.chunks_exact(format.size()).map(|texel| format.deep_color(texel));
+                    let pixels = colors.flat_map(|[red, green, blue]| [red, green, blue, u16::MAX]);
+                    row.extend(pixels.flat_map(u16::to_ne_bytes));
+                }
+                (TexelFormat::Bgra8, _) => {
                     row.extend(
                         texels.as_chunks::<4>().0.iter().flat_map(|[blue, green, red, _]| [*red, *green, *blue, 255]),
                     );
