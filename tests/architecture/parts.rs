@@ -25,7 +25,7 @@ pub const FOLDERS: [(&str, &[Part]); 2] = [
             part("driver", &[], &["gl", "id", "profile", "known_state", "endless_anisotropy"]),
             part("app", &[], &[]),
             part("drawable", &[], &[]),
-            part("frame", &[], &["publishing"]),
+            part("frame", &[], &[]),
             part("draw", &[], &[]),
             part("shaders", &[], &[]),
             part("vertex_input", &["vertex_input"], &[]),

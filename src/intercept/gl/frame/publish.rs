@@ -37,12 +37,12 @@ pub fn frame(ctx: &mut Context, number: u64) {
     if publishing::waits() {
         publishing.publish(gl, true);
     }
-    ctx.frame.publishing = Some(publishing);
+    ctx.frame.put_publishing(publishing);
 }
 
 /// Publishes the pictures that the device has copied meanwhile. `all`: waits for all of them.
 pub fn hand_on(ctx: &mut Context, all: bool) {
-    if let Some(publishing) = &mut ctx.frame.publishing {
+    if let Some(publishing) = ctx.frame.publishing_mut() {
         publishing.publish(ctx.driver.gl, all);
     }
 }
@@ -55,7 +55,7 @@ fn fitting(ctx: &mut Context) -> Option<Box<Publishing>> {
         Some(session) => session.window(),
         None => ctx.drawable.window()?.size(),
     };
-    if let Some(publishing) = ctx.frame.publishing.take() {
+    if let Some(publishing) = ctx.frame.take_publishing() {
         if publishing.session.as_ref().map(Arc::as_ptr) == session.map(Arc::as_ptr) && publishing.window == window {
             return Some(publishing);
         }

@@ -45,7 +45,7 @@ fn follows_camera(frame: &mut Frame, target: &mut DefaultFramebuffer, live: Live
         return false;
     }
     // Publishing holds a session only to recognise it.
-    let held = frame.publishing.as_mut().map(|publishing| &mut publishing.session);
+    let held = frame.publishing_mut().map(|publishing| &mut publishing.session);
     let held = held.filter(|held| held.as_ref().is_some_and(|session| Arc::ptr_eq(session, &target.session)));
     let mut unused = None;
     let held = held.unwrap_or(&mut unused);

@@ -58,7 +58,7 @@ pub struct Frame {
     /// Times for `--stats`; `None` if they are not asked for.
     times: Option<Times>,
     /// Read-back of the published pictures; `None` if none are published.
-    pub(in crate::intercept::gl) publishing: Option<Box<Publishing>>,
+    publishing: Option<Box<Publishing>>,
 }
 
 /// Times of a window's frames.
@@ -70,6 +70,21 @@ pub struct Times {
 }
 
 impl Frame {
+    /// Returns what reads the pictures that are published, to be used.
+    pub fn publishing_mut(&mut self) -> Option<&mut Publishing> {
+        self.publishing.as_deref_mut()
+    }
+
+    /// Takes out what reads the pictures that are published.
+    pub fn take_publishing(&mut self) -> Option<Box<Publishing>> {
+        self.publishing.take()
+    }
+
+    /// Puts back what reads the pictures that are published, or something new.
+    pub fn put_publishing(&mut self, publishing: Box<Publishing>) {
+        self.publishing = Some(publishing);
+    }
+
     /// True if something was drawn since the last swap.
     pub fn begun(&self) -> bool {
         self.begun
