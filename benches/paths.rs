@@ -7,9 +7,9 @@ use cupola::correct::shaders::draws::{Rows, draws};
 use cupola::correct::shaders::glsl::{Language, Stage, specialise};
 use cupola::correct::{self, Plan};
 use cupola::geom::Frustum;
-use cupola::intercept::gl::per_view::culling::bounds::{Placed, extent, outside};
+use cupola::intercept::gl::per_view::culling::bounds::{PlacedBox, extent, outside};
 use cupola::intercept::gl::per_view::culling::position::{Transform, View};
-use cupola::intercept::gl::state::compat::vertex_commands::Command;
+use cupola::intercept::gl::state::compat::vertex_commands::VertexCommand;
 use cupola::intercept::gl::state::compat::vertex_recorder::{Recorder, Sets, add_vertex};
 use cupola::intercept::gl::state::draw::bounds::Bounds;
 use cupola::rig::{self, Rig};
@@ -174,9 +174,9 @@ mod draw {
         let model = Transform::of(&program_matrix());
         bencher.bench(|| {
             let (low, high) = black_box(([-1.0, -1.0, -12.0], [1.0, 2.0, -10.0]));
-            let placed = Placed::of(&model, low, high);
+            let placed = PlacedBox::of(&model, low, high);
             rows.iter()
-                .map(View::of_rows)
+                .map(View::of_reprojection)
                 .filter(|view| !outside(view, &placed, [0.01, 0.01]))
                 .filter_map(|view| extent(&view, &placed))
                 .count()
@@ -196,9 +196,9 @@ mod vertex {
             let mut bounds = Bounds::EMPTY;
             for i in 0..100 {
                 let position = [i as f32, 1.0, -2.0];
-                recorder.push(Command::normal3fv, Sets::Normal, &[], &[0.0f32, 0.0, 1.0]);
+                recorder.push(VertexCommand::normal3fv, Sets::Normal, &[], &[0.0f32, 0.0, 1.0]);
                 add_vertex(&mut bounds, Sets::Position, &position);
-                recorder.push(Command::vertex3fv, Sets::Position, &[], &position);
+                recorder.push(VertexCommand::vertex3fv, Sets::Position, &[], &position);
             }
             (bounds, recorder.place())
         });

@@ -49,7 +49,7 @@ pub fn look_divided(ctx: &mut Context, class: DrawClass) -> bool {
         use_views(ctx, why);
         return true;
     }
-    let drawn = ctx.draw.shape();
+    let drawn = ctx.draw.drawn_shape();
     match drawn {
         Shape::Points => return false,
         _ if *ctx.projected.processor() == Processor::Divides || projected_vertices::variant(ctx).is_some() => {

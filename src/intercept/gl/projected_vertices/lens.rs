@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// division.
 fn kinds(draw: &DrawState) -> [Option<Kind>; 2] {
     let patch = draw.patch().filter(|_| tessellation_asked_for());
-    let input = match draw.shape() {
+    let input = match draw.drawn_shape() {
         Shape::Triangles => Some(Input::Triangles),
         Shape::Lines => Some(Input::Lines),
         _ => None,

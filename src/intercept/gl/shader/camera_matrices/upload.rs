@@ -19,7 +19,6 @@ use std::sync::Arc;
 
 /// Returns the programs of the present vertex and fragment shaders, if they have such matrices.
 fn drawing(share: &ShareGroup, shaders: &Shaders) -> [Option<Arc<Program>>; 2] {
-    let shaders = shaders;
     let holds = |program: &Arc<Program>| program.has_camera_matrices;
     let drawn = shaders.program();
     let fragment = if shaders.used() == 0 && shaders.bound_pipeline() != 0 {

@@ -92,7 +92,6 @@ fn condition_depth(bare: &str) -> usize {
 /// Sends the transformation to window coordinates to the present fragment shader, unless the shader
 /// has it already.
 pub fn upload(share: &ShareGroup, driver: &Driver, draw: &DrawState, shaders: &Shaders) {
-    let shaders = shaders;
     if shaders.used() != 0 {
         if let Some(program) = shaders.program() {
             send(driver, draw, shaders, program);

@@ -69,7 +69,7 @@ impl DrawState {
     }
 
     /// Primitives of the draw that is being issued.
-    pub fn shape(&self) -> Shape {
+    pub fn drawn_shape(&self) -> Shape {
         self.wide_primitives.drawn
     }
 
