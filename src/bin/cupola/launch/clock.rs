@@ -20,7 +20,7 @@ pub struct Options {
     /// Start of the program's dates with --clock, or now [default: 2000-01-01T12:00:00]
     #[arg(long, value_name = "DATE", value_parser = start)]
     clock_start: Option<Start>,
-    /// Hold the program's time after its first frame, until `cupola ctl step` or `cupola ctl resume`
+    /// Hold the program's time after its first frame, for `cupola ctl step`
     #[arg(long, requires = "clock")]
     pub pause: bool,
     /// File by which `cupola serve` holds the program's time.
