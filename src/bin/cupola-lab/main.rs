@@ -27,6 +27,7 @@ mod calibrate;
 mod calls;
 mod cells;
 mod conformance;
+mod content;
 mod stress;
 mod structure;
 #[allow(unsafe_code, reason = "calls OpenGL and Vulkan directly")]
@@ -53,6 +54,7 @@ enum Command {
     Conformance(conformance::Arguments),
     Calls(calls::Arguments),
     Calibrate(calibrate::Arguments),
+    Content(content::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -65,6 +67,7 @@ fn main() -> ExitCode {
         Command::Conformance(arguments) => conformance::run(&arguments),
         Command::Calls(arguments) => calls::run(&arguments),
         Command::Calibrate(arguments) => calibrate::run(&arguments),
+        Command::Content(arguments) => content::run(&arguments),
     };
     failure::exit_code("cupola-lab", result)
 }
