@@ -139,7 +139,8 @@ mod tests {
             assert_eq!(rounded, format.color(&texel), "{format:?}");
         }
         let finer = TexelFormat::Rgb10.deep_color(&ten.to_ne_bytes());
-        assert_eq!(finer, [65535, 19219, 448], "not multiples of 257");
+        // Rounded: 65535 · 300 ÷ 1023 and 65535 · 7 ÷ 1023.
+        assert_eq!(finer, [65535, 19218, 448], "not multiples of 257");
     }
 
     #[test]
