@@ -90,11 +90,14 @@ fn products(all: &[Instruction<'_>]) -> HashSet<u32> {
     &products - &others
 }
 
+/// Greatest number of indices of an access chain, as for all of SPIR-V.
+const MOST_INDICES: usize = 255;
+
 struct Flow<'a> {
     declared: &'a Declarations<'a>,
     /// From each id to the ids that may flow into it.
     into: HashMap<u32, Vec<u32>>,
-    /// Access chains: their base, and their indices.
+    /// Access chains: what they point into, and the indices within it.
     chains: HashMap<u32, (u32, Vec<u32>)>,
     /// Pointers whose values are used only in scalar products.
     products: HashSet<u32>,
@@ -109,24 +112,33 @@ impl Flow<'_> {
 
     /// Returns the variable, parameter or result that a pointer points into, and the indices within
     /// it.
-    fn root(&self, mut pointer: u32) -> (u32, Vec<u32>) {
-        let mut path = Vec::new();
-        while let Some((base, indices)) = self.chains.get(&pointer) {
-            path.splice(0..0, indices.iter().copied());
-            pointer = *base;
+    fn root(&self, pointer: u32) -> (u32, Vec<u32>) {
+        self.chains.get(&pointer).cloned().unwrap_or((pointer, Vec::new()))
+    }
+
+    /// Adds an access chain. `None`: it comes behind a chain that begins with it, so that they may
+    /// be a circle, or is longer than SPIR-V allows.
+    fn add_chain(&mut self, chain: u32, base: u32, indices: &[u32], bases: &mut HashSet<u32>) -> Option<()> {
+        bases.insert(base);
+        let (root, mut path) = self.root(base);
+        path.extend(indices);
+        if bases.contains(&chain) || path.len() > MOST_INDICES {
+            return None;
         }
-        (pointer, path)
+        self.chains.insert(chain, (root, path));
+        Some(())
     }
 
     fn read(&mut self, all: &[Instruction<'_>]) -> Option<()> {
         let mut parameters: HashMap<u32, Vec<u32>> = HashMap::new();
+        let mut bases = HashSet::new();
         let mut function = 0;
         for i in all {
             match Op::from_u32(i.opcode) {
                 Some(Op::Function) => function = i.operand(1),
                 Some(Op::FunctionParameter) => parameters.entry(function).or_default().push(i.operand(1)),
                 Some(Op::AccessChain | Op::InBoundsAccessChain | Op::CopyObject) if function != 0 => {
-                    self.chains.insert(i.operand(1), (i.operand(2), i.rest(3).to_vec()));
+                    self.add_chain(i.operand(1), i.operand(2), i.rest(3), &mut bases)?;
                 }
                 _ => {}
             }

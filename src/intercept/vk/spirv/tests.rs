@@ -313,6 +313,18 @@ fn only_matrices_of_the_position_are_found_where_it_is_asked_for() {
     let mut words = two_matrices(0);
     words.extend([(3 << 16) | Op::Store as u32, 59, 53]);
     assert_eq!(offsets(&words, true), HashSet::from([0, 64]));
+    // Pointers that begin with each other, found by the fuzzer, and one with too many indices.
+    let chain = |words: &mut Vec<u32>, result: u32, base: u32| {
+        words.extend([(5 << 16) | Op::AccessChain as u32, 34, result, base, 32]);
+    };
+    let mut circle = two_matrices(0);
+    chain(&mut circle, 54, 55);
+    chain(&mut circle, 55, 54);
+    circle.extend([(3 << 16) | Op::Store as u32, 54, 53]);
+    assert_eq!(offsets(&circle, true), HashSet::from([0, 64]));
+    let mut long = two_matrices(0);
+    (100..1000).for_each(|number| chain(&mut long, number + 1, if number == 100 { 30 } else { number }));
+    assert_eq!(offsets(&long, true), HashSet::from([0, 64]));
 }
 
 /// A block with an array of `vec4`. The elements from `first` on flow into the position, one for
