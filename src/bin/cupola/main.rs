@@ -4,7 +4,9 @@
 //! an invalid rig; `run` exits with the program's code. Measuring tools for developers are in the
 //! command `cupola-lab`.
 
-#![forbid(unsafe_code)]
+#![cfg_attr(not(fuzzing), forbid(unsafe_code))]
+// The fuzz target `serve` is this program with the entry point of libFuzzer.
+#![cfg_attr(fuzzing, no_main, allow(dead_code))]
 
 #[path = "../shared/arguments.rs"]
 mod arguments;

@@ -160,7 +160,7 @@ fn converse(mut stream: TcpStream, access: &Access, answer: &dyn Fn(&Request) ->
 
 /// Reads the next request; `None` at the end of the connection. `held`: bytes that were already
 /// read.
-fn read(
+pub(super) fn read(
     stream: &mut impl Read,
     held: &mut Vec<u8>,
     access: &Access,

@@ -10,6 +10,10 @@
 
 mod access;
 pub mod control;
+// What the fuzz target `serve` calls is not public.
+#[cfg(fuzzing)]
+#[path = "../../../../fuzz/targets/serve.rs"]
+mod fuzzing;
 mod http;
 mod marks;
 mod osc;

@@ -10,6 +10,9 @@ use std::sync::Arc;
 
 /// Greatest number of messages of a bundle that are executed.
 const MOST: usize = 256;
+/// Greatest number of bundles and arrays of a packet, which may lie in each other. Each level takes
+/// room on the stack.
+const MOST_NESTED: usize = 64;
 
 /// Executes messages that arrive at `socket`, for as long as the process lives.
 pub fn serve(socket: UdpSocket, server: Arc<Server>) {
@@ -23,11 +26,7 @@ pub fn serve(socket: UdpSocket, server: Arc<Server>) {
             if !is_from_this_user(from) {
                 continue;
             }
-            let packet = rosc::decoder::decode_udp(&bytes[..length]);
-            let Ok((_, packet)) = packet else { continue };
-            let mut messages = Vec::new();
-            flatten(packet, &mut messages);
-            for message in messages {
+            for message in messages(&bytes[..length]) {
                 let refused = command(&message).and_then(|command| server.run(command, false).map(drop)).err();
                 if let Some(why) = refused {
                     eprintln!("cupola: OSC {}: {why}", message.addr);
@@ -35,6 +34,19 @@ pub fn serve(socket: UdpSocket, server: Arc<Server>) {
             }
         }
     });
+}
+
+/// Returns the messages of a packet; none if it is not understood, or nested too deeply.
+pub(super) fn messages(bytes: &[u8]) -> Vec<OscMessage> {
+    let bundles = bytes.windows(8).filter(|part| part == b"#bundle\0").count();
+    let arrays = bytes.iter().filter(|byte| **byte == b'[').count();
+    let mut messages = Vec::new();
+    if bundles + arrays <= MOST_NESTED
+        && let Ok((_, packet)) = rosc::decoder::decode_udp(bytes)
+    {
+        flatten(packet, &mut messages);
+    }
+    messages
 }
 
 /// Collects the messages of a packet, including those in bundles.
@@ -75,7 +87,7 @@ fn owners(table: &str, port: u16) -> impl Iterator<Item = u32> {
 }
 
 /// Converts a message to a request.
-fn command(message: &OscMessage) -> Result<Command, String> {
+pub(super) fn command(message: &OscMessage) -> Result<Command, String> {
     let words: Vec<String> =
         message.args.iter().map(word).collect::<Option<_>>().ok_or("an argument is neither number nor text")?;
     let path = message.addr.strip_prefix("/cupola/").ok_or("the address does not begin with /cupola/")?;
@@ -166,11 +178,33 @@ mod tests {
                 let at = random.below(bytes.len());
                 bytes[at] = random.bits() as u8;
             }
-            if let Ok((_, packet)) = rosc::decoder::decode_udp(&bytes) {
-                let mut messages = Vec::new();
-                flatten(packet, &mut messages);
-                messages.iter().for_each(|message| drop(command(message)));
+            messages(&bytes).iter().for_each(|message| drop(command(message)));
+        }
+    }
+
+    /// Threads have a stack of 2 MiB.
+    #[test]
+    fn deeply_nested_packets_are_left_out() {
+        let nested = |depth: usize| {
+            let mut packet = b"/cupola/undo\0\0\0\0,\0\0\0".to_vec();
+            for _ in 0..depth {
+                let length = packet.len() as u32;
+                packet = [b"#bundle\0\0\0\0\0\0\0\0\x01", &length.to_be_bytes()[..], &packet].concat();
             }
+            packet
+        };
+        let arrays = |depth: usize| {
+            let tags = format!(",{}{}", "[".repeat(depth), "]".repeat(depth));
+            let padding = vec![0; 4 - tags.len() % 4];
+            [b"/cupola/undo\0\0\0\0", tags.as_bytes(), &padding].concat()
+        };
+        for depth in [0, 1, MOST_NESTED] {
+            assert_eq!(messages(&nested(depth)).len(), 1, "{depth} bundles");
+            assert_eq!(messages(&arrays(depth)).len(), 1, "{depth} arrays");
+        }
+        for depth in [MOST_NESTED + 1, 3000] {
+            assert_eq!(messages(&nested(depth)).len(), 0, "{depth} bundles");
+            assert_eq!(messages(&arrays(10 * depth)).len(), 0, "{depth} arrays");
         }
     }
 }
