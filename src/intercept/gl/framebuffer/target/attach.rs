@@ -99,6 +99,8 @@ pub fn follow_rig(ctx: &mut Context) {
         return;
     }
     let linked = old.backend.linked();
+    // If the new rig fails, a newer one is still tried.
+    let tried = old.next.as_ref().map_or(version, |(_, live)| live.version);
     let planned = match (live::rig(), &old.next) {
         (Some(live), None) => {
             let extras = ctx.frame.draw_count().extras(old.extras());
@@ -106,7 +108,7 @@ pub fn follow_rig(ctx: &mut Context) {
         }
         _ => Ok(()),
     };
-    let next = planned.and_then(|()| old.next(ctx, &window));
+    let next = planned.and_then(|()| old.make_next(ctx, &window));
     ctx.frame.note_linked(old.backend.linked() - linked);
     match next {
         Ok(Some(new)) => {
@@ -117,7 +119,7 @@ pub fn follow_rig(ctx: &mut Context) {
         Ok(None) => ctx.drawable.put_target(old),
         Err(error) => {
             log::once(&format!("the rig stays as it was: {error}"));
-            (old.version, old.next) = (version, None);
+            (old.version, old.next) = (tried, None);
             ctx.drawable.put_target(old);
         }
     }

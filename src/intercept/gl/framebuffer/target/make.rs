@@ -115,7 +115,7 @@ impl DefaultFramebuffer {
     /// Makes shaders of the next rig for a while. Returns the stand-in with that rig once all of
     /// them exist; `None`: they are not finished. It takes over the shaders of this stand-in that
     /// are still valid. After an error this stand-in keeps them.
-    pub fn next(&mut self, ctx: &Context, window: &Window) -> Result<Option<Self>> {
+    pub fn make_next(&mut self, ctx: &Context, window: &Window) -> Result<Option<Self>> {
         let start = Instant::now();
         while self.backend.make_ahead(ctx.driver.gl)? {
             if start.elapsed() >= STEP {
