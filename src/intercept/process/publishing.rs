@@ -4,7 +4,7 @@
 //! Only one window is published: the first one. Another window replaces it after a while in which
 //! only that other window was presented.
 
-use super::{clock, live, log, settings};
+use super::{clock, log, settings};
 use crate::lock::Lock;
 use crate::ring::{Pictures, Shape, Writer};
 use crate::runtime::run_results::Published;
@@ -76,8 +76,9 @@ impl Stamp {
     }
 }
 
-/// True if this frame of a window is published. Call it once for each frame.
-pub fn wants(window: u64) -> bool {
+/// True if this frame of a window is published. `version`: that of the rig that the frame shows.
+/// Call it once for each frame.
+pub fn wants(window: u64, version: u64) -> bool {
     let Some(settings) = settings::settings().filter(|settings| settings.publish.is_some()) else { return false };
     let mut publishing = PUBLISHING.locked();
     if publishing.is_over {
@@ -95,7 +96,7 @@ pub fn wants(window: u64) -> bool {
         return false;
     }
     let (now, least) = (crate::system::monotonic(), settings.publish_interval);
-    least == 0 || publishing.pace.takes(now, least, live::known_version())
+    least == 0 || publishing.pace.takes(now, least, version)
 }
 
 /// True if the program waits for the readers of its frames.

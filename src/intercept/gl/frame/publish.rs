@@ -13,7 +13,8 @@ use std::sync::Arc;
 
 /// Returns true if frames of the context's window are published.
 pub fn wants(ctx: &Context) -> bool {
-    ctx.drawable.window().is_some_and(|window| publishing::wants(window.handle() as u64))
+    let version = ctx.drawable.target().map_or(0, |target| target.version);
+    ctx.drawable.window().is_some_and(|window| publishing::wants(window.handle() as u64, version))
 }
 
 /// Publishes the frame that was just corrected: starts reading its pictures, and publishes the
