@@ -1,5 +1,5 @@
-//! `cupola ctl`: sends requests to a running `cupola serve`; the program's time it also holds
-//! without one.
+//! `cupola ctl`: sends requests to a running `cupola serve`. It also holds the time of a program
+//! without a server.
 
 use crate::failure::Failure;
 use crate::launch::held::{self, Request};

@@ -1,6 +1,6 @@
 //! Difference of an output's captured picture from its prediction.
 
-use super::prediction::{Colour, Prediction};
+use super::prediction::{Color, Prediction};
 use crate::terminal;
 use cupola::blend::Picture;
 use glam::DVec2;
@@ -28,7 +28,7 @@ impl Difference {
     /// Compares every pixel of the picture of an output, on all processors.
     pub fn of(prediction: &Prediction<'_>, output: usize, shown: &Picture) -> Self {
         let (width, height) = (shown.width as usize, shown.height as usize);
-        let mut expected: Vec<Option<Colour>> = vec![None; width * height];
+        let mut expected: Vec<Option<Color>> = vec![None; width * height];
         let bar = terminal::progress(height as u64, "rows");
         let rows = height.div_ceil(std::thread::available_parallelism().map_or(1, usize::from));
         std::thread::scope(|scope| {
@@ -36,8 +36,8 @@ impl Difference {
                 let bar = &bar;
                 scope.spawn(move || {
                     for (row, line) in band.chunks_mut(width).enumerate() {
-                        for (column, colour) in line.iter_mut().enumerate() {
-                            *colour = prediction.pixel(output, centre(column, part * rows + row));
+                        for (column, color) in line.iter_mut().enumerate() {
+                            *color = prediction.pixel(output, centre(column, part * rows + row));
                         }
                         bar.inc(1);
                     }
@@ -61,11 +61,11 @@ impl Difference {
                 continue;
             }
             let index = row * width + column;
-            let colour = expected[index].unwrap_or_default();
+            let color = expected[index].unwrap_or_default();
             let seen = &shown.rgb[3 * index..3 * index + 3];
-            let channels = seen.iter().zip(colour).map(|(seen, expected)| (f64::from(*seen) - expected).abs());
+            let channels = seen.iter().zip(color).map(|(seen, expected)| (f64::from(*seen) - expected).abs());
             found.add(channels.fold(0.0, f64::max) * 255.0, [column as u32, row as u32]);
-            found.lit += u64::from(colour.iter().any(|value| *value > 0.5 / 255.0));
+            found.lit += u64::from(color.iter().any(|value| *value > 0.5 / 255.0));
         }
         found
     }

@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 use std::path::Path;
 
 /// Encoded red, green and blue, 0…1.
-pub type Colour = [f64; 3];
+pub type Color = [f64; 3];
 
 /// Content picture on a rig: nothing here uses the shaders or what is computed for them.
 pub struct Prediction<'a> {
@@ -75,39 +75,39 @@ impl<'a> Prediction<'a> {
 
     /// Colour of the content picture at a point of the screen (metres, dome axes): the weighted
     /// mean of the four nearest pixels. `None` where the picture shows nothing.
-    pub fn colour(&self, output: usize, point: DVec3) -> Option<Colour> {
+    pub fn color(&self, output: usize, point: DVec3) -> Option<Color> {
         let place = self.content[output].place(self.rig.viewer_pose().point_to_local(point))?;
         let size = DVec2::new(f64::from(self.plain.width), f64::from(self.plain.height));
         let corner = DVec2::new(place.x, 1.0 - place.y) * size - 0.5;
         let (base, part) = (corner.floor(), corner - corner.floor());
-        let mut colour = [0.0; 3];
+        let mut color = [0.0; 3];
         for (x, y) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
             let pixel = (base + DVec2::new(x, y)).clamp(DVec2::ZERO, size - 1.0);
             let weights = DVec2::ONE - (DVec2::new(x, y) - part).abs();
             let index = 3 * (pixel.y as usize * self.plain.width as usize + pixel.x as usize);
-            for (sum, value) in colour.iter_mut().zip(&self.plain.rgb[index..index + 3]) {
+            for (sum, value) in color.iter_mut().zip(&self.plain.rgb[index..index + 3]) {
                 *sum += weights.x * weights.y * f64::from(*value);
             }
         }
-        Some(colour)
+        Some(color)
     }
 
     /// Colour of an output's pixel; `None` where it shows nothing.
-    pub fn pixel(&self, output: usize, pixel: DVec2) -> Option<Colour> {
+    pub fn pixel(&self, output: usize, pixel: DVec2) -> Option<Color> {
         let map = &self.maps[output];
-        let colour = self.colour(output, map.hit(pixel)?)?;
+        let color = self.color(output, map.hit(pixel)?)?;
         let even = self.evenness[output].as_ref().map_or(1.0, |evenness| evenness.weight(map, pixel));
         let weight = even * self.weights.weight(output, pixel)?;
         let blend = &self.rig.outputs[output].blend;
-        let dimmed = |channel: usize| code_of(weight * light_of(colour[channel], blend, channel), blend, channel);
-        Some(if weight == 1.0 { colour } else { [0, 1, 2].map(dimmed) })
+        let dimmed = |channel: usize| code_of(weight * light_of(color[channel], blend, channel), blend, channel);
+        Some(if weight == 1.0 { color } else { [0, 1, 2].map(dimmed) })
     }
 
     /// True if rounding decides whether a pixel shows something.
     pub fn is_rim(&self, output: usize, pixel: DVec2) -> bool {
         let shows = |x: f64, y: f64| {
             let hit = self.maps[output].hit(pixel + RIM * DVec2::new(x, y));
-            hit.is_some_and(|point| self.colour(output, point).is_some())
+            hit.is_some_and(|point| self.color(output, point).is_some())
         };
         let found = [shows(1.0, 0.0), shows(-1.0, 0.0), shows(0.0, 1.0), shows(0.0, -1.0)];
         found.contains(&true) && found.contains(&false)

@@ -49,7 +49,7 @@ impl Seams {
             let place = |i: usize| (i as f64 + 0.5) / f64::from(size) * 2.0 - 1.0;
             let direction = axes * lens.direction(place(index % side), -place(index / side))?;
             let point = screen.unbounded_hit(viewer.position, viewer.direction_to_parent(direction))?.point;
-            let expected: f64 = prediction.colour(0, point)?.iter().sum();
+            let expected: f64 = prediction.color(0, point)?.iter().sum();
             let found: f64 = simulation.rgb[3 * index..3 * index + 3].iter().map(|value| f64::from(*value)).sum();
             let lit = |map: &cupola::warp::WarpMap| map.pixel(point).is_some();
             let outputs =
