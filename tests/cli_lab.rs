@@ -159,3 +159,25 @@ fn bench_compares_time_and_error() {
     assert!(plot.contains("fragment (default)") && plot.ends_with("</svg>\n"));
     assert_eq!(image::open(plots.join("projector-at-0-6-R-01.png")).unwrap().width(), 480);
 }
+
+#[test]
+fn captured_content_is_compared_with_the_exact_map() {
+    let place = |name: &str| LAB.file(name).to_str().unwrap().to_owned();
+    let (rig, plain, capture) = (place("content.toml"), place("plain.png"), place("content.png"));
+    std::fs::write(&rig, "[[output]]\nkind = \"domemaster\"\n").unwrap();
+    // A domemaster that is shown on a domemaster is the same picture.
+    let colour = |x: u32, y: u32| image::Rgb([x as u8, y as u8, 128 + 2 * ((x + y) % 64) as u8]);
+    let inside = |x: u32, y: u32| (f64::from(x) - 99.5).hypot(f64::from(y) - 99.5) <= 100.0;
+    image::RgbImage::from_fn(200, 200, colour).save(&plain).unwrap();
+    let shown = |x, y| if inside(x, y) { colour(x, y) } else { image::Rgb([0; 3]) };
+    image::RgbImage::from_fn(200, 200, shown).save(&capture).unwrap();
+    let arguments = ["content", &rig, "--plain", &plain, "--captures", &capture, "--size", "64", "--json"];
+    let found = LAB.json(&arguments);
+    assert!(found["outputs"][0]["worst"].as_f64().unwrap() < 1e-3, "{found:#}");
+    assert!(found["outputs"][0]["pixels"].as_u64().unwrap() > 39_000, "{found:#}");
+    // Negative control: the same picture as one of another aperture.
+    let output = LAB.run(&[&arguments[..], &["--content", "domemaster,aperture=176"]].concat());
+    let words = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.code() == Some(1) && words.contains("within_percent"), "{words}");
+    LAB.refused(&[&arguments[..], &["--content", "equirectangular"]].concat(), "is no fisheye picture");
+}

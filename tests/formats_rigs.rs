@@ -252,3 +252,79 @@ fn light_of_black_and_mirrored_blacks_are_written_as_they_are_shown() {
         convert::cupola(&["convert", from.to_str().unwrap(), file("no.mpcdi").to_str().unwrap(), "--profile", "sl"]);
     assert!(!refused.status.success() && String::from_utf8_lossy(&refused.stderr).contains("it is mirrored"));
 }
+
+/// Number of views of a rig, and texels for each pixel of its outputs.
+fn planned(rig: &cupola::rig::Rig) -> (usize, f64) {
+    let sizes: Vec<(u32, u32)> = rig.outputs.iter().map(|output| output.size.expect("a size")).collect();
+    let request = cupola::views::Request {
+        output_sizes: sizes.clone(),
+        window: sizes[0],
+        panel: false,
+        primary: false,
+        max_atlas: 16384,
+    };
+    let plan = cupola::correct::build(rig, &request).unwrap().views;
+    (plan.views.len(), cupola::views::report(&plan, rig, &sizes).texels_per_pixel)
+}
+
+/// Every so many pixels are compared in each direction.
+const STEP: usize = 2;
+
+/// Greatest difference, in 255ths, between what two rigs show of a scene whose colours are
+/// 0.5 + 0.5 · direction.
+fn difference(one: &cupola::rig::Rig, other: &cupola::rig::Rig) -> f64 {
+    let (mut compared, mut worst) = (0, 0.0f64);
+    for output in 0..one.outputs.len() {
+        let size = one.outputs[output].size.expect("a size");
+        let map = |rig| cupola::warp::WarpMap::new(rig, output, size, None).unwrap();
+        let maps = [map(one), map(other)];
+        for (x, y) in (0..size.1).step_by(STEP).flat_map(|y| (0..size.0).step_by(STEP).map(move |x| (x, y))) {
+            let pixel = glam::DVec2::new(f64::from(x), f64::from(y)) + 0.5;
+            if let [Some(expected), Some(found)] = [0, 1].map(|index: usize| maps[index].direction(pixel)) {
+                compared += 1;
+                worst = worst.max((expected - found).abs().max_element() * 127.5);
+            }
+        }
+    }
+    assert!(compared > 50_000, "{compared} pixels");
+    worst
+}
+
+#[test]
+fn an_imported_rig_needs_no_more_views_than_the_rig_it_was_made_from() {
+    for preset in ["planetarium-6", "idome"] {
+        let text = cupola::rig::presets().iter().find(|found| found.name == preset).unwrap().text;
+        // No file has the cells that were found for a preset.
+        let text = match text.split_once("cells = [") {
+            Some((before, rest)) => format!("{before}{}", rest.split_once("\n]\n").unwrap().1),
+            None => text.to_owned(),
+        };
+        let source = file(&format!("{preset}-original.toml"));
+        std::fs::write(&source, text.replace("size = [1920, 1080]", "size = [640, 360]")).unwrap();
+        let original = cupola::rig::load(source.to_str().unwrap()).unwrap();
+        let (views, texels) = planned(&original);
+        for kind in ["mpcdi", "vwf"] {
+            let (exported, imported) = (source.with_extension(kind), file(&format!("{preset}-{kind}.toml")));
+            convert(source.to_str().unwrap(), &exported, &[]);
+            convert(exported.to_str().unwrap(), &imported, &[]);
+            // The files do not have the dome's tilt, which the operator adds.
+            let text = std::fs::read_to_string(&imported).unwrap();
+            let tilt = format!("tilt = {:?}", original.dome.tilt.to_degrees());
+            std::fs::write(&imported, text.replace("tilt = 0.0", &tilt)).unwrap();
+            let found = cupola::rig::load(imported.to_str().unwrap()).unwrap();
+            let (found_views, found_texels) = planned(&found);
+            let worst = difference(&original, &found);
+            println!(
+                "{preset} by {kind}: {found_views} of {views} views, {found_texels:.3} of {texels:.3} texels a pixel, \
+                 {worst:.4} of 255"
+            );
+            assert!(10 * found_views <= 11 * views, "{preset} by {kind}: {found_views} views instead of {views}");
+            assert!(found_texels <= 1.1 * texels, "{preset} by {kind}: {found_texels} texels instead of {texels}");
+            assert!(worst <= 0.01, "{preset} by {kind}: {worst} of 255");
+            // Negative control: the picture of a viewer who has turned by half a degree.
+            let mut turned = original.clone();
+            turned.viewer.yaw += 0.5f64.to_radians();
+            assert!(difference(&turned, &found) > 0.5, "{preset} by {kind}: another viewer is not noticed");
+        }
+    }
+}

@@ -19,6 +19,9 @@ pub struct Arguments {
     /// output.NAME.blend.ramp=0.3; output.* means all outputs
     #[arg(required = true, value_name = "KEY=VALUE")]
     changes: Vec<String>,
+    /// Print as JSON whether the file was changed
+    #[arg(long)]
+    json: bool,
 }
 
 /// Keys that name files relative to the rig file.
@@ -39,10 +42,12 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let changed = changed(&text, &arguments.changes).map_err(|why| Failure::usage(format!("{file}: {why}")))?;
     let folder = arguments.file.parent().unwrap_or(Path::new(""));
     rig::parse(&changed, &file.to_string(), folder).map_err(|error| Failure::usage(error.message))?;
-    if changed == text {
-        return Ok(ExitCode::SUCCESS);
+    if changed != text {
+        replace(&arguments.file, &changed).map_err(failed)?;
     }
-    replace(&arguments.file, &changed).map_err(failed)?;
+    if arguments.json {
+        println!("{:#}", serde_json::json!({ "file": arguments.file, "changed": changed != text }));
+    }
     Ok(ExitCode::SUCCESS)
 }
 
