@@ -64,7 +64,7 @@ function take(state) {
   $('save').classList.toggle('bright', rig.changed);
   $('stop').disabled = !program.runs;
   $('time').hidden = !state.clock;
-  $('hold').textContent = state.clock && state.clock.held ? '▶ Go on' : '⏸ Hold';
+  $('hold').textContent = state.clock && state.clock.held ? 'Go on' : 'Hold time';
   document.title = `${rig.changed ? '• ' : ''}${rig.title} – Cupola`;
   options($('only'), ['all outputs', ...rig.outputs], state.pattern.only || 'all outputs');
   for (const button of $('parts').children) button.classList.toggle('on', state.pattern.parts.includes(button.dataset.part));
