@@ -21,6 +21,7 @@ const EXTRA: &[&str] = &[
     "glFramebufferDrawBufferEXT",
     "glFramebufferDrawBuffersEXT",
     "glFramebufferReadBufferEXT",
+    "glGetInfoLogARB",
     "glGetNamedFramebufferAttachmentParameterivEXT",
     "glGetObjectParameterivARB",
     "glGetProgramEnvParameterfvARB",

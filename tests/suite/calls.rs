@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 tests! {
     random_calls_have_the_same_answers,
     what_was_found_before_has_the_same_answers,
+    draws_to_several_views_have_the_same_answers,
     a_call_that_is_lost_is_found,
 }
 
@@ -41,20 +42,31 @@ fn random_calls_have_the_same_answers() {
     expect_same(&["--rig", "identity", "--keep", "--episodes", "8", "--calls", "300"]);
 }
 
-fn lists() -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/calls");
+/// Returns the lists of calls of a folder of `tests`.
+fn lists(folder: &str) -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(folder);
     let files = std::fs::read_dir(folder).expect("the lists of calls").filter_map(|entry| Some(entry.ok()?.path()));
     let mut files: Vec<_> = files.filter(|path| path.extension().is_some_and(|end| end == "calls")).collect();
     files.sort();
     files
 }
 
-fn what_was_found_before_has_the_same_answers() {
-    let files = lists();
+/// Plays the lists of a folder with a rig, and without Cupola.
+fn replay(folder: &str, rig: &str) {
+    let files = lists(folder);
     assert!(!files.is_empty());
-    let mut arguments = vec!["--keep", "--replay"];
+    let mut arguments = vec!["--rig", rig, "--keep", "--replay"];
     arguments.extend(files.iter().map(|path| path.to_str().expect("a UTF-8 path")));
     expect_same(&arguments);
+}
+
+fn what_was_found_before_has_the_same_answers() {
+    replay("calls", "identity-captured");
+}
+
+/// Draws that are issued once per view count once in atomic counters.
+fn draws_to_several_views_have_the_same_answers() {
+    replay("calls/views", "fisheye");
 }
 
 /// Negative control: one call between Cupola and the driver is lost in each run. The test must find

@@ -228,7 +228,7 @@ fn flat(ctx: &mut Context, changes: Changes, measure: Option<Measure>, mut issue
     want_panel(ctx);
     let Some(target) = ctx.drawable.target() else { return };
     let tiles = target.flat_tiles();
-    let repeats = Repeats::new(changes, &ctx.driver, &ctx.app, 0);
+    let mut repeats = Repeats::new(changes, &ctx.driver, &ctx.app, 0).counting(&ctx.share, &ctx.shaders);
     plain_program(ctx);
     let pictures = tiles.iter().flatten().count();
     for (number, (tile, panel)) in tiles.iter().flatten().enumerate() {

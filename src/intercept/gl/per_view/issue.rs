@@ -7,6 +7,7 @@ use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::shader::camera_matrices::upload;
+use crate::intercept::gl::shader::counters::{self, KeptCounts};
 use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::shader::source::frag_coord;
 use crate::intercept::gl::state::app::AppState;
@@ -60,7 +61,7 @@ impl Copies {
 /// Issues a draw once for each of its copies.
 pub fn issue(ctx: &mut Context, copies: &Copies, target: &mut dyn CopyTarget, draw: &mut dyn FnMut(&mut Context, &Gl)) {
     let gl = ctx.driver.gl;
-    let repeats = Repeats::new(copies.changes, &ctx.driver, &ctx.app, 0);
+    let mut repeats = Repeats::new(copies.changes, &ctx.driver, &ctx.app, 0).counting(&ctx.share, &ctx.shaders);
     let last = (0..copies.count).rev().find(|view| copies.contain(*view));
     let (mut projection_loaded, mut number) = (false, 0);
     for view in 0..copies.count {
@@ -166,12 +167,17 @@ fn plain_reprojection(share: &ShareGroup, driver: &Driver, draw: &DrawState, sha
 }
 
 /// Keeps repetitions of a draw invisible to the program. Vertex attributes and other state that the
-/// draw sets are restored in between, and transform feedback records the draw once.
+/// draw sets are restored in between, transform feedback records the draw once, and atomic counters
+/// have the counts of the last time.
 pub struct Repeats {
     mask: u32,
     /// True if the material follows the colour.
     follows: bool,
     feedback: bool,
+    /// Bindings of atomic counters, with their sizes.
+    counters: Vec<(u32, usize)>,
+    /// Counts before the draw.
+    counts: Option<KeptCounts>,
 }
 
 impl Repeats {
@@ -187,12 +193,23 @@ impl Repeats {
         };
         let follows = mask != 0 && driver.known_state.is_on(driver.gl, api::GL_COLOR_MATERIAL);
         // Before OpenGL 4.0 there is no pause, so every repetition is recorded.
-        Self { mask, follows, feedback: app.feedback() && driver.gl.has_pause_transform_feedback() }
+        let feedback = app.feedback() && driver.gl.has_pause_transform_feedback();
+        Self { mask, follows, feedback, counters: Vec::new(), counts: None }
+    }
+
+    /// Counts a draw of the present shaders once.
+    pub fn counting(self, share: &ShareGroup, shaders: &Shaders) -> Self {
+        Self { counters: counters::present(share, shaders), ..self }
     }
 
     /// Runs `issue` for the `number`-th time. Restores what it changes, unless it is the `last`
     /// time.
-    pub(in crate::intercept::gl) fn around(&self, gl: &Gl, number: usize, last: bool, issue: impl FnOnce()) {
+    pub(in crate::intercept::gl) fn around(&mut self, gl: &Gl, number: usize, last: bool, issue: impl FnOnce()) {
+        match &self.counts {
+            Some(counts) => counts.put_back(gl),
+            None if !last && !self.counters.is_empty() => self.counts = Some(KeptCounts::keep(gl, &self.counters)),
+            None => {}
+        }
         if self.feedback && number == 1 {
             // SAFETY: transform feedback is active and not paused.
             unsafe { gl.pause_transform_feedback() };
@@ -201,6 +218,9 @@ impl Repeats {
         if self.feedback && last && number > 0 {
             // SAFETY: paused above.
             unsafe { gl.resume_transform_feedback() };
+        }
+        if let Some(counts) = self.counts.take_if(|_| last) {
+            counts.delete(gl);
         }
     }
 

@@ -4,7 +4,7 @@
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::shader::programs;
+use crate::intercept::gl::shader::programs::{self, asked};
 use crate::intercept::gl::state::driver::Driver;
 use crate::lock::Lock;
 use std::ffi::c_char;
@@ -36,24 +36,24 @@ impl Own {
 }
 
 fn own_uniforms(share: &ShareGroup, program: u32) -> Own {
-    Own { indices: programs::record(share, program).map_or(Vec::new(), |program| program.own_uniforms.clone()) }
+    // A program that answers for another one, as the last link failed, has no uniforms.
+    let record = programs::record(share, program).filter(|record| record.asked() == program);
+    Own { indices: record.map_or(Vec::new(), |program| program.own_uniforms.clone()) }
 }
 
-/// Returns the location for the driver; −1 if the program's location is that of an own uniform.
-fn location(share: &ShareGroup, driver: &Driver, program: u32, location: i32) -> i32 {
-    let gl = driver.gl;
-    let is_ours = |index: &u32| {
-        let mut name = [0; 256];
-        let (mut length, mut size, mut kind) = (0, 0, 0);
-        // SAFETY: writes one number each, and no more characters than the buffer can hold.
-        let first = unsafe {
-            gl.get_active_uniform(program, *index, 256, &mut length, &mut size, &mut kind, name.as_mut_ptr());
-            gl.get_uniform_location(program, name.as_ptr())
-        };
-        first >= 0 && (first..first.saturating_add(size)).contains(&location)
-    };
-    let record = programs::record(share, program);
-    if record.is_some_and(|record| record.own_uniforms.iter().any(is_ours)) { -1 } else { location }
+/// Returns the program of which the driver is asked for a property: the properties that do not
+/// depend on the last link are those of the program itself.
+fn of_property(share: &ShareGroup, program: u32, property: u32) -> u32 {
+    match property {
+        api::GL_ATTACHED_SHADERS
+        | api::GL_DELETE_STATUS
+        | api::GL_PROGRAM_SEPARABLE
+        | api::GL_PROGRAM_BINARY_RETRIEVABLE_HINT
+        | api::GL_TRANSFORM_FEEDBACK_BUFFER_MODE
+        | api::GL_TRANSFORM_FEEDBACK_VARYINGS
+        | api::GL_TRANSFORM_FEEDBACK_VARYING_MAX_LENGTH => program,
+        _ => asked(share, program),
+    }
 }
 
 /// True if the program has deleted a program that is still in use.
@@ -105,7 +105,7 @@ unsafe fn renumber(ours: &Own, count: i32, indices: *mut i32) {
 
 hooks! {
     "glGetProgramiv" get_programiv(program: u32, name: u32, value: *mut i32) = |ctx, gl| {
-        gl.get_programiv(program, name, value);
+        gl.get_programiv(of_property(&ctx.share, program, name), name, value);
         if name == api::GL_DELETE_STATUS && is_deleted(&ctx.share, program) && !value.is_null() {
             *value = 1;
         }
@@ -122,7 +122,7 @@ hooks! {
         }
     };
     "glGetObjectParameterivARB" get_object_parameteriv_arb(object: u32, name: u32, value: *mut i32) = |ctx, gl| {
-        gl.get_object_parameteriv_arb(object, name, value);
+        gl.get_object_parameteriv_arb(of_property(&ctx.share, object, name), name, value);
         if name == api::GL_OBJECT_DELETE_STATUS_ARB && is_deleted(&ctx.share, object) && !value.is_null() {
             *value = 1;
         }
@@ -135,11 +135,16 @@ hooks! {
             }
         }
     };
-    "glGetActiveUniform" get_active_uniform(program: u32, index: u32, room: i32, length: *mut i32, size: *mut i32, kind: *mut u32, name: *mut c_char) = |ctx, gl|
+    "glGetActiveUniform" get_active_uniform(program: u32, index: u32, room: i32, length: *mut i32, size: *mut i32, kind: *mut u32, name: *mut c_char) = |ctx, gl| {
+        let program = asked(&ctx.share, program);
         gl.get_active_uniform(program, shifted(&ctx.share, program, index), room, length, size, kind, name);
-    "glGetActiveUniformName" get_active_uniform_name(program: u32, index: u32, room: i32, length: *mut i32, name: *mut c_char) = |ctx, gl|
+    };
+    "glGetActiveUniformName" get_active_uniform_name(program: u32, index: u32, room: i32, length: *mut i32, name: *mut c_char) = |ctx, gl| {
+        let program = asked(&ctx.share, program);
         gl.get_active_uniform_name(program, shifted(&ctx.share, program, index), room, length, name);
+    };
     "glGetActiveUniformsiv" get_active_uniformsiv(program: u32, count: i32, indices: *const u32, what: u32, values: *mut i32) = |ctx, gl| {
+        let program = asked(&ctx.share, program);
         if !own_uniforms(&ctx.share, program).any() || indices.is_null() {
             gl.get_active_uniformsiv(program, count, indices, what, values);
         } else {
@@ -148,27 +153,13 @@ hooks! {
             gl.get_active_uniformsiv(program, count, moved.as_ptr(), what, values);
         }
     };
-    "glGetUniformfv" get_uniformfv(program: u32, number: i32, values: *mut f32) = |ctx, gl|
-        gl.get_uniformfv(program, location(&ctx.share, &ctx.driver, program, number), values);
-    "glGetUniformiv" get_uniformiv(program: u32, number: i32, values: *mut i32) = |ctx, gl|
-        gl.get_uniformiv(program, location(&ctx.share, &ctx.driver, program, number), values);
-    "glGetUniformuiv" get_uniformuiv(program: u32, number: i32, values: *mut u32) = |ctx, gl|
-        gl.get_uniformuiv(program, location(&ctx.share, &ctx.driver, program, number), values);
-    "glGetUniformdv" get_uniformdv(program: u32, number: i32, values: *mut f64) = |ctx, gl|
-        gl.get_uniformdv(program, location(&ctx.share, &ctx.driver, program, number), values);
-    "glGetnUniformfv" getn_uniformfv(program: u32, number: i32, room: i32, values: *mut f32) = |ctx, gl|
-        gl.getn_uniformfv(program, location(&ctx.share, &ctx.driver, program, number), room, values);
-    "glGetnUniformiv" getn_uniformiv(program: u32, number: i32, room: i32, values: *mut i32) = |ctx, gl|
-        gl.getn_uniformiv(program, location(&ctx.share, &ctx.driver, program, number), room, values);
-    "glGetnUniformuiv" getn_uniformuiv(program: u32, number: i32, room: i32, values: *mut u32) = |ctx, gl|
-        gl.getn_uniformuiv(program, location(&ctx.share, &ctx.driver, program, number), room, values);
-    "glGetnUniformdv" getn_uniformdv(program: u32, number: i32, room: i32, values: *mut f64) = |ctx, gl|
-        gl.getn_uniformdv(program, location(&ctx.share, &ctx.driver, program, number), room, values);
     "glGetUniformIndices" get_uniform_indices(program: u32, count: i32, names: *const *const c_char, indices: *mut u32) = |ctx, gl| {
+        let program = asked(&ctx.share, program);
         gl.get_uniform_indices(program, count, names, indices);
         renumber(&own_uniforms(&ctx.share, program), count, indices.cast());
     };
     "glGetActiveUniformBlockiv" get_active_uniform_blockiv(program: u32, block: u32, what: u32, values: *mut i32) = |ctx, gl| {
+        let program = asked(&ctx.share, program);
         gl.get_active_uniform_blockiv(program, block, what, values);
         if what == api::GL_UNIFORM_BLOCK_ACTIVE_UNIFORM_INDICES {
             let mut count = 0;
@@ -177,6 +168,7 @@ hooks! {
         }
     };
     "glGetProgramInterfaceiv" get_program_interfaceiv(program: u32, interface: u32, name: u32, values: *mut i32) = |ctx, gl| {
+        let program = asked(&ctx.share, program);
         gl.get_program_interfaceiv(program, interface, name, values);
         let ours = own_uniforms(&ctx.share, program);
         if interface == api::GL_UNIFORM && !values.is_null() && ours.any() {
@@ -188,12 +180,16 @@ hooks! {
         }
     };
     "glGetProgramResourceIndex" get_program_resource_index(program: u32, interface: u32, name: *const c_char) -> u32 = |ctx, gl| {
+        let program = asked(&ctx.share, program);
         let index = gl.get_program_resource_index(program, interface, name);
         if interface == api::GL_UNIFORM { own_uniforms(&ctx.share, program).unshifted(index) } else { index }
     };
-    "glGetProgramResourceName" get_program_resource_name(program: u32, interface: u32, index: u32, room: i32, length: *mut i32, name: *mut c_char) = |ctx, gl|
+    "glGetProgramResourceName" get_program_resource_name(program: u32, interface: u32, index: u32, room: i32, length: *mut i32, name: *mut c_char) = |ctx, gl| {
+        let program = asked(&ctx.share, program);
         gl.get_program_resource_name(program, interface, resource(&ctx.share, program, interface, index), room, length, name);
+    };
     "glGetProgramResourceiv" get_program_resourceiv(program: u32, interface: u32, index: u32, count: i32, what: *const u32, room: i32, length: *mut i32, values: *mut i32) = |ctx, gl| {
+        let program = asked(&ctx.share, program);
         gl.get_program_resourceiv(program, interface, resource(&ctx.share, program, interface, index), count, what, room, length, values);
         // Renumbers a block's list of uniforms only if it is the only question, as is usual.
         // Otherwise other values in the array would be changed.
@@ -205,6 +201,7 @@ hooks! {
         }
     };
     "glGetProgramBinary" get_program_binary(program: u32, room: i32, length: *mut i32, format: *mut u32, binary: *mut std::ffi::c_void) = |ctx, gl| {
+        let program = asked(&ctx.share, program);
         if !own_uniforms(&ctx.share, program).any() {
             gl.get_program_binary(program, room, length, format, binary);
         } else {

@@ -53,13 +53,22 @@ hooks! {
         choose(&ctx.share, &ctx.driver, &mut ctx.shaders);
     };
     "glUseProgramStages" use_program_stages(pipeline: u32, stages: u32, program: u32) = |ctx, gl| {
-        gl.use_program_stages(pipeline, stages, program);
+        let asked = programs::asked(&ctx.share, program);
+        gl.use_program_stages(pipeline, stages, asked);
+        if asked != program {
+            // A program without an executable is refused.
+            return;
+        }
         let present = programs::record(&ctx.share, program).map_or(0, |p| p.stages());
         ctx.shaders.set_stages(pipeline, stages, program, present);
         choose(&ctx.share, &ctx.driver, &mut ctx.shaders);
     };
     "glActiveShaderProgram" active_shader_program(pipeline: u32, program: u32) = |ctx, gl| {
-        gl.active_shader_program(pipeline, program);
+        let asked = programs::asked(&ctx.share, program);
+        gl.active_shader_program(pipeline, asked);
+        if asked != program {
+            return;
+        }
         ctx.shaders.set_active(pipeline, program);
     };
     "glDeleteProgramPipelines" delete_program_pipelines(count: i32, names: *const u32) = |ctx, gl| {

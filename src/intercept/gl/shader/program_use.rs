@@ -11,10 +11,12 @@ use crate::lock::Lock;
 
 /// `glUseProgram`.
 pub fn select(share: &ShareGroup, driver: &mut Driver, shaders: &mut Shaders, name: u32) {
+    let asked = programs::asked(share, name);
     // SAFETY: the program's own call.
-    unsafe { driver.gl.use_program(name) };
+    unsafe { driver.gl.use_program(asked) };
     let old = shaders.used();
-    if old != name {
+    // A program without an executable is refused.
+    if old != name && asked == name {
         let name = if name == 0 || programs::record(share, name).is_some() { name } else { used(driver) };
         shaders.use_program(name);
         share.programs.locked().uses.change(old, name);
@@ -37,15 +39,21 @@ fn delete_unused(share: &ShareGroup, driver: &Driver) {
         let Some(name) = share.programs.locked().uses.take_unused() else { return };
         // SAFETY: the program's own call, which was delayed.
         unsafe { driver.gl.delete_program(name) };
-        programs::forget_program(share, driver, name);
+        forget(share, driver, name);
     }
+}
+
+/// Forgets a program that is deleted.
+fn forget(share: &ShareGroup, driver: &Driver, name: u32) {
+    programs::forget_program(share, driver, name);
+    share.programs.locked().link_settings.remove(&name);
 }
 
 /// Deletes an object by `issue`, or notes that it must be deleted when it is out of use.
 fn delete(share: &ShareGroup, driver: &Driver, name: u32, issue: impl FnOnce(&Gl)) {
     if !share.programs.locked().uses.delete(name) {
         issue(driver.gl);
-        programs::forget_program(share, driver, name);
+        forget(share, driver, name);
     }
 }
 

@@ -17,6 +17,7 @@ use crate::intercept::scene::lens::Told;
 use crate::lock::Lock;
 use crate::runtime::session::{MatrixClass, Session};
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 impl Program {
     /// Returns the lens in the present matrices.
@@ -159,6 +160,11 @@ pub fn record(share: &ShareGroup, name: u32) -> Option<Arc<Program>> {
     share.programs.locked().programs.get(&name).cloned()
 }
 
+/// Returns the name of the program that answers the application's questions about `name`.
+pub fn asked(share: &ShareGroup, name: u32) -> u32 {
+    share.programs.locked().programs.get(&name).map_or(name, |program| program.asked())
+}
+
 /// Reads the matrices of `name` again after one of its blocks was bound elsewhere.
 pub fn read_again(share: &ShareGroup, driver: &Driver, name: u32) {
     let Some(old) = record(share, name) else { return };
@@ -176,9 +182,11 @@ pub(super) fn forget_program(share: &ShareGroup, driver: &Driver, name: u32) {
     forget(driver.gl, record);
 }
 
-/// Deletes the variants of a program that is no longer recorded.
+/// Deletes what Cupola has made for a program that is no longer recorded.
 pub(super) fn forget(gl: &Gl, record: Option<Arc<Program>>) {
     if let Some(record) = record {
         record.variants.locked().destroy(gl);
+        // SAFETY: a program of Cupola; 0 is ignored.
+        unsafe { gl.delete_program(record.failed.load(Ordering::Relaxed)) };
     }
 }

@@ -3,7 +3,7 @@
 use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::shader::uniforms::MOST_NAMED;
-use crate::intercept::gl::shader::{program_pipelines, programs};
+use crate::intercept::gl::shader::{program_pipelines, programs, refused_locations};
 use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::programs::Program;
 use crate::intercept::process::call_sum;
@@ -61,7 +61,7 @@ unsafe fn note_vectors(program: Option<&Program>, location: i32, count: i32, val
 }
 
 /// Calls `note` with the program that `glUniform` sets.
-fn with_current<T>(share: &ShareGroup, shaders: &Shaders, note: impl FnOnce(Option<&Program>) -> T) -> T {
+pub(super) fn with_current<T>(share: &ShareGroup, shaders: &Shaders, note: impl FnOnce(Option<&Program>) -> T) -> T {
     if shaders.used() != 0 {
         note(shaders.program().map(|program| &**program))
     } else {
@@ -71,43 +71,47 @@ fn with_current<T>(share: &ShareGroup, shaders: &Shaders, note: impl FnOnce(Opti
 
 hooks! {
     "glUniformMatrix4fv" uniform_matrix4fv(location: i32, count: i32, transpose: u8, value: *const f32) = |ctx, gl| {
-        gl.uniform_matrix4fv(location, count, transpose, value);
+        gl.uniform_matrix4fv(refused_locations::in_use(ctx, location), count, transpose, value);
         with_current(&ctx.share, &ctx.shaders, |program| note(program, location, count, transpose, value));
     };
     "glUniformMatrix4dv" uniform_matrix4dv(location: i32, count: i32, transpose: u8, value: *const f64) = |ctx, gl| {
-        gl.uniform_matrix4dv(location, count, transpose, value);
+        gl.uniform_matrix4dv(refused_locations::in_use(ctx, location), count, transpose, value);
         with_current(&ctx.share, &ctx.shaders, |program| note(program, location, count, transpose, value));
     };
     "glUniform4fv" uniform4fv(location: i32, count: i32, value: *const f32) = |ctx, gl| {
-        gl.uniform4fv(location, count, value);
+        gl.uniform4fv(refused_locations::in_use(ctx, location), count, value);
         with_current(&ctx.share, &ctx.shaders, |program| note_vectors(program, location, count, value));
     };
     "glUniform4f" uniform4f(location: i32, x: f32, y: f32, z: f32, w: f32) = |ctx, gl| {
-        gl.uniform4f(location, x, y, z, w);
+        gl.uniform4f(refused_locations::in_use(ctx, location), x, y, z, w);
         with_current(&ctx.share, &ctx.shaders, |program| note_vectors(program, location, 1, [x, y, z, w].as_ptr()));
     };
     "glProgramUniform4fv" program_uniform4fv(program: u32, location: i32, count: i32, value: *const f32) = |ctx, gl| {
+        let (program, location) = refused_locations::of(&ctx.share, program, location);
         gl.program_uniform4fv(program, location, count, value);
         note_vectors(programs::record(&ctx.share, program).as_deref(), location, count, value);
     };
     "glProgramUniform4f" program_uniform4f(program: u32, location: i32, x: f32, y: f32, z: f32, w: f32) = |ctx, gl| {
+        let (program, location) = refused_locations::of(&ctx.share, program, location);
         gl.program_uniform4f(program, location, x, y, z, w);
         note_vectors(programs::record(&ctx.share, program).as_deref(), location, 1, [x, y, z, w].as_ptr());
     };
     "glProgramUniformMatrix4dv" program_uniform_matrix4dv(program: u32, location: i32, count: i32, transpose: u8, value: *const f64) = |ctx, gl| {
+        let (program, location) = refused_locations::of(&ctx.share, program, location);
         gl.program_uniform_matrix4dv(program, location, count, transpose, value);
         note(programs::record(&ctx.share, program).as_deref(), location, count, transpose, value);
     };
     "glProgramUniformMatrix4fv" program_uniform_matrix4fv(program: u32, location: i32, count: i32, transpose: u8, value: *const f32) = |ctx, gl| {
+        let (program, location) = refused_locations::of(&ctx.share, program, location);
         gl.program_uniform_matrix4fv(program, location, count, transpose, value);
         note(programs::record(&ctx.share, program).as_deref(), location, count, transpose, value);
     };
     "glUniformBlockBinding" uniform_block_binding(program: u32, block: u32, binding: u32) = |ctx, gl| {
-        gl.uniform_block_binding(program, block, binding);
+        gl.uniform_block_binding(programs::asked(&ctx.share, program), block, binding);
         programs::read_again(&ctx.share, &ctx.driver, program);
     };
     "glShaderStorageBlockBinding" shader_storage_block_binding(program: u32, block: u32, binding: u32) = |ctx, gl| {
-        gl.shader_storage_block_binding(program, block, binding);
+        gl.shader_storage_block_binding(programs::asked(&ctx.share, program), block, binding);
         programs::read_again(&ctx.share, &ctx.driver, program);
     };
 }

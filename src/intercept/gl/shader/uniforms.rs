@@ -12,6 +12,7 @@ use crate::intercept::gl::state::shader::uniforms::{
 use crate::intercept::scene::lens::{Order, rank};
 use std::collections::BTreeSet;
 use std::ffi::{CStr, CString, c_char};
+use std::ops::Range;
 
 /// Greatest length of an array of matrices that is examined completely. Longer arrays are bones or
 /// instances: only their first matrix is examined, and those that the shader uses by number.
@@ -66,6 +67,21 @@ pub fn read(gl: &Gl, profile: &Profile, program: u32, position: Option<&Position
     reader.storage_blocks();
     reader.find_indices();
     (reader.uniforms, own_uniforms)
+}
+
+/// Returns the locations of the uniforms of these indices.
+pub fn locations(gl: &Gl, program: u32, indices: &[u32]) -> Vec<Range<i32>> {
+    let of = |index: &u32| {
+        let mut name = [0; 256];
+        let (mut length, mut size, mut kind) = (0, 0, 0);
+        // SAFETY: writes one number each, and no more characters than the buffer can hold.
+        let first = unsafe {
+            gl.get_active_uniform(program, *index, 256, &mut length, &mut size, &mut kind, name.as_mut_ptr());
+            gl.get_uniform_location(program, name.as_ptr())
+        };
+        (first >= 0).then(|| first..first.saturating_add(size))
+    };
+    indices.iter().filter_map(of).collect()
 }
 
 /// Returns the location of a uniform; −1 = there is none.

@@ -4,15 +4,15 @@ pub mod texts;
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::projected::projection;
-use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::methods;
 use crate::intercept::gl::shader::linking::texts::{Changes, Linked, Texts};
-use crate::intercept::gl::shader::programs::{forget, forget_program};
+use crate::intercept::gl::shader::programs::forget_program;
 use crate::intercept::gl::shader::source::patch;
 use crate::intercept::gl::shader::source::{compute, dependence};
 use crate::intercept::gl::shader::uniforms::location;
-use crate::intercept::gl::shader::{attribute_matrices, camera_matrices, samplers, uniforms};
+use crate::intercept::gl::shader::{attribute_matrices, camera_matrices, counters, relinking, samplers, uniforms};
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::shader::position_names::PositionNames;
@@ -21,6 +21,7 @@ use crate::intercept::process::log;
 use crate::lock::Lock;
 use std::collections::{HashMap, HashSet};
 use std::ffi::{CStr, c_char, c_void};
+use std::sync::atomic::AtomicU32;
 use std::sync::{Arc, Mutex};
 
 fn source_text(count: i32, strings: *const *const c_char, lengths: *const i32) -> Option<Arc<str>> {
@@ -60,13 +61,20 @@ fn note_compiled(ctx: &Context, shader: u32) {
 fn link(ctx: &mut Context, program: u32) {
     let gl = ctx.driver.gl;
     let shaders = attached(gl, program);
-    let (sources, left) = take_texts(ctx, program, &shaders);
+    let trial = relinking::begin(ctx, program, &shaders);
+    let (sources, left) = texts_of(&ctx.share, &shaders);
     let position_names = dependence::position_names(&sources, &shaders);
     let (es, curved) = (ctx.driver.profile.es, methods::asked_for());
     let texts = Texts { sources: &sources, shaders: &shaders, position_names: position_names.as_ref(), es, curved };
-    let (linked, touched) = link_with_changes(gl, program, &texts, left);
+    let (linked, touched) = link_with_changes(gl, trial.unwrap_or(program), &texts, left);
+    let ended = trial.is_none_or(|trial| relinking::end(ctx, program, trial, &shaders, status(gl, trial)));
     give_back_texts(ctx, &sources, &linked, touched);
     ctx.frame.note_linked(u64::from(texts.position().is_some()));
+    if !ended {
+        // The program keeps its executable.
+        return;
+    }
+    forget_program(&ctx.share, &ctx.driver, program);
     if !status(gl, program) {
         return;
     }
@@ -76,13 +84,12 @@ fn link(ctx: &mut Context, program: u32) {
     ctx.shaders.note_relinked(record);
 }
 
-/// Forgets a program that is linked again. Returns the texts from which its shaders were compiled,
-/// and the shaders that were compiled with changes for another program.
-fn take_texts(ctx: &Context, program: u32, shaders: &[(u32, u32)]) -> (HashMap<u32, Arc<str>>, HashSet<u32>) {
+/// Returns the texts from which a program's shaders were compiled, and the shaders that were
+/// compiled with changes for another program.
+fn texts_of(share: &ShareGroup, shaders: &[(u32, u32)]) -> (HashMap<u32, Arc<str>>, HashSet<u32>) {
     // Compiling takes long, so the lock is not held meanwhile: contexts of other threads use this
     // table.
-    let mut programs = ctx.share.programs.locked();
-    forget(ctx.driver.gl, programs.programs.remove(&program));
+    let programs = share.programs.locked();
     let source = |name: u32| Some((name, programs.compiled.get(&name)?.clone()));
     let sources: HashMap<u32, Arc<str>> = shaders.iter().filter_map(|shader| source(shader.0)).collect();
     let left = sources.keys().copied().filter(|shader| programs.changed.contains(shader)).collect();
@@ -290,7 +297,10 @@ fn read_program(
         name,
         location: rows,
         lens_location,
+        own_locations: uniforms::locations(gl, name, &own_uniforms),
         own_uniforms,
+        failed: AtomicU32::new(0),
+        counters: counters::of_program(gl, profile, name),
         stages,
         fixed_matrices,
         samplers: samplers::of_program(gl, name),

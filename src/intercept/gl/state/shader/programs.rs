@@ -1,5 +1,6 @@
 //! Linked programs.
 
+use crate::backend::gl::driver::api::Gl;
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::intercept::gl::state::shader::assembly::AssemblyProgram;
 use crate::intercept::gl::state::shader::attribute_matrices::AttributeMatrix;
@@ -8,7 +9,10 @@ use crate::intercept::gl::state::shader::position_names::PositionNames;
 use crate::intercept::gl::state::shader::uniforms::Uniforms;
 use crate::intercept::gl::state::shader::variants::Variants;
 use crate::intercept::scene::lens::Told;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::ffi::CString;
+use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 
 /// Reprojection matrix that changes nothing, for the program's own picture.
@@ -25,9 +29,14 @@ pub struct Programs {
     pub(in crate::intercept::gl) changed: HashSet<u32>,
     pub(in crate::intercept::gl) uses: Uses,
     pub(in crate::intercept::gl) programs: HashMap<u32, Arc<Program>>,
+    /// What the application has set for the next link of each program.
+    pub(in crate::intercept::gl) link_settings: HashMap<u32, LinkSettings>,
     /// Vertex programs in assembly language that Cupola changed.
     pub(in crate::intercept::gl) assembly: HashMap<u32, Arc<AssemblyProgram>>,
 }
+
+/// Settings for the next link of a program, by their kind and name: commands for another program.
+pub(in crate::intercept::gl) type LinkSettings = BTreeMap<(u8, CString), Arc<dyn Fn(&Gl, u32) + Send + Sync>>;
 
 /// Programs in use, by their names. OpenGL keeps a deleted program as long as it is in use. Cupola
 /// puts other programs in use for its own draws. It therefore deletes a program in the driver only
@@ -63,6 +72,11 @@ impl Uses {
         used
     }
 
+    /// True if a context uses a program.
+    pub fn contain(&self, name: u32) -> bool {
+        self.contexts.contains_key(&name)
+    }
+
     /// True if the deletion of a program waits.
     pub fn is_deleted(&self, name: u32) -> bool {
         self.deleted.contains(&name)
@@ -86,6 +100,13 @@ pub struct Program {
     pub(in crate::intercept::gl) lens_location: i32,
     /// Indices of Cupola's uniforms among the active ones, in their order.
     pub own_uniforms: Vec<u32>,
+    /// Locations of Cupola's uniforms.
+    pub own_locations: Vec<Range<i32>>,
+    /// Name of a program of Cupola without an executable, which answers for this one: this one was
+    /// linked again without success while it was in use, and so keeps its executable. 0 = none.
+    pub(in crate::intercept::gl) failed: AtomicU32,
+    /// Bindings of its atomic counters, with the size of the counters in bytes.
+    pub counters: Vec<(u32, usize)>,
     /// The bits of its stages that lie before rasterisation, as for `glUseProgramStages`.
     pub(in crate::intercept::gl) stages: u32,
     /// True if the program uses the fixed-function matrices.
@@ -190,6 +211,25 @@ impl Program {
     /// True if vertices go through its own shaders rather than the fixed-function pipeline.
     pub fn draws_vertices(&self) -> bool {
         self.stages != 0
+    }
+
+    /// Returns the name of the program that answers the application's questions about this one.
+    pub fn asked(&self) -> u32 {
+        match self.failed.load(Ordering::Relaxed) {
+            0 => self.name,
+            failed => failed,
+        }
+    }
+
+    /// True if the application cannot set a uniform at this location, since it is one of Cupola's,
+    /// or since the last link failed.
+    pub fn refuses(&self, location: i32) -> bool {
+        self.failed.load(Ordering::Relaxed) != 0 || self.owns(location)
+    }
+
+    /// True if the location is that of a uniform of Cupola.
+    pub fn owns(&self, location: i32) -> bool {
+        self.own_locations.iter().any(|own| own.contains(&location))
     }
 
     /// Returns the bits of its stages before rasterisation.
