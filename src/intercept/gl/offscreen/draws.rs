@@ -254,9 +254,10 @@ fn note(
 ) {
     let Some(window) = drawable.session().map(Session::window) else { return };
     let [width, height] = app.viewport().size();
-    let alike =
-        duplicate_mode() == Duplicate::Always || viewport::has_shape_of_window(width.into(), height.into(), window);
-    let ViewCopies { framebuffers, images, learnt, .. } = view_copies;
+    let ViewCopies { framebuffers, images, learnt, parts, .. } = view_copies;
+    let mut pictures = parts.iter().copied().chain([window]);
+    let alike = duplicate_mode() == Duplicate::Always
+        || pictures.any(|picture| viewport::has_shape_of_window(width.into(), height.into(), picture));
     if class == DrawClass::Flat && sampled == 0 {
         return;
     }

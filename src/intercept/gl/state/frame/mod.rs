@@ -304,6 +304,12 @@ impl Frame {
         self.shows_scene = true;
     }
 
+    /// Notes that a scene is shown in a part of the window. Flat drawing before it is beside it, and
+    /// not behind it.
+    pub fn note_scene_in_part(&mut self) {
+        self.shows_scene = true;
+    }
+
     /// True if a scene was ever shown in the window.
     pub fn shows_scene(&self) -> bool {
         self.shows_scene

@@ -12,12 +12,18 @@ use crate::lock::Lock;
 use glam::DMat3;
 use std::sync::Mutex;
 
+/// Greatest number of parts of the window that are remembered. A window that changes its size makes
+/// more of them.
+const MOST_PARTS: usize = 8;
+
 /// Records of the program's framebuffers.
 #[derive(Default)]
 pub struct ViewCopies {
     pub(in crate::intercept::gl) images: Vec<Image>,
     pub(in crate::intercept::gl) framebuffers: Vec<Framebuffer>,
     pub(in crate::intercept::gl) coverage: Coverage,
+    /// Sizes of the parts of the window that images of the program fill.
+    pub(in crate::intercept::gl) parts: Vec<(u32, u32)>,
     /// True if the view copy of the program's draw framebuffer is bound in its place.
     pub(in crate::intercept::gl) bound: bool,
     /// True if new facts about the images were found in this frame.
@@ -68,6 +74,7 @@ pub struct InspectedPass {
 #[derive(Default)]
 pub struct SharedViewCopies {
     pub(in crate::intercept::gl) images: Vec<Image>,
+    pub(in crate::intercept::gl) parts: Vec<(u32, u32)>,
     pub(in crate::intercept::gl) learnt: bool,
     pub(in crate::intercept::gl) own_picture: bool,
     pub(in crate::intercept::gl) issued: Issued,
@@ -101,6 +108,15 @@ impl ViewCopies {
         self.displayed.current = None;
     }
 
+    /// Notes that an image of the program fills a part of the window.
+    pub fn note_part(&mut self, part: LowerLeftRect) {
+        let size = (part.width.max(0) as u32, part.height.max(0) as u32);
+        if !self.parts.contains(&size) {
+            self.parts.truncate(MOST_PARTS - 1);
+            self.parts.insert(0, size);
+        }
+    }
+
     /// Gives the shared records back to the group, as the context is not current any more.
     pub fn deposit(&mut self, group: &Mutex<Option<SharedViewCopies>>) {
         if !std::mem::take(&mut self.shared) {
@@ -110,6 +126,7 @@ impl ViewCopies {
         self.not_followed.clear();
         let travelling = SharedViewCopies {
             images: std::mem::take(&mut self.images),
+            parts: std::mem::take(&mut self.parts),
             learnt: std::mem::take(&mut self.learnt),
             own_picture: self.own_picture,
             issued: std::mem::take(&mut self.issued),
