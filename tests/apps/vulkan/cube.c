@@ -14,11 +14,15 @@
 /* Compiled from cube.vert and cube.frag by glslangValidator. */
 #include "cells_block.h"
 #include "cells_push.h"
+#include "cube_address.h"
+#include "cube_address_block.h"
+#include "cube_address_sum.h"
 #include "cube_array.h"
 #include "cube_block.h"
 #include "cube_clip.h"
 #include "cube_columns.h"
 #include "cube_frag.h"
+#include "cube_instance.h"
 #include "cube_place.h"
 #include "cube_push.h"
 #include "cube_row_vector.h"
@@ -48,6 +52,43 @@ static block blocks[MOST_IMAGES], staging[MOST_IMAGES], indirect;
 
 enum { CELL_COUNT = 6 * 64 * 64 };
 enum { SLICE = 256 }; /* distance of two matrices in a block: the largest alignment that a device may require */
+enum { AFTER_ADDRESS = 64, BEFORE_MATRIX = 16 }; /* behind an address: its block's matrix, and what is before it */
+
+/* Whether the shader has an address of the matrix. */
+static bool has_address(void)
+{
+    return options.matrix >= MATRIX_ADDRESS && options.matrix <= MATRIX_ADDRESS_SUM;
+}
+
+/* Whether push constants hold the matrix, or its address. */
+static bool has_push(void)
+{
+    return options.matrix == MATRIX_PUSH || options.matrix == MATRIX_ADDRESS || options.matrix == MATRIX_ADDRESS_SUM;
+}
+
+/* Whether the matrix is an attribute of instances. */
+static bool of_instances(void)
+{
+    return options.matrix == MATRIX_INSTANCE || options.matrix == MATRIX_INSTANCE_COPIED;
+}
+
+/* Whether the matrix is an attribute. */
+static bool has_attribute(void)
+{
+    return of_instances() || options.matrix == MATRIX_VERTICES;
+}
+
+/* Whether the matrix is copied to memory of the device. */
+static bool copies(void)
+{
+    return options.matrix == MATRIX_COPIED || options.matrix == MATRIX_LARGE || options.matrix == MATRIX_INSTANCE_COPIED;
+}
+
+/* Size of a block: that of its matrices, or more than is read with each copy. */
+static VkDeviceSize block_size(void)
+{
+    return options.matrix == MATRIX_LARGE ? 1 << 17 : 3 * SLICE;
+}
 
 /* Whether descriptors are pushed. The device must support it. */
 static bool pushes(void)
@@ -147,7 +188,7 @@ static void make_layout(void)
                                              .pPoolSizes = &size};
     expect(vkCreateDescriptorPool(w.device, &info, NULL, &descriptors), "vkCreateDescriptorPool");
     const VkPushConstantRange range = {VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(matrix4)};
-    const bool push = options.matrix == MATRIX_PUSH;
+    const bool push = has_push();
     VkPipelineLayoutCreateInfo pipeline_layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                                         .setLayoutCount = push ? 0 : 1,
                                                         .pSetLayouts = pushes() ? &pushed_layout : &set_layout,
@@ -158,10 +199,15 @@ static void make_layout(void)
     pipeline_layout.pushConstantRangeCount = 1;
     if (pushes())
         expect(vkCreatePipelineLayout(w.device, &pipeline_layout, NULL, &plain_layout), "vkCreatePipelineLayout");
-    const bool copied = options.matrix == MATRIX_COPIED;
+    const bool copied = copies();
+    const VkBufferUsageFlags usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT |
+                                     (has_attribute() ? VK_BUFFER_USAGE_VERTEX_BUFFER_BIT : VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT) |
+                                     (has_address() ? VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT : 0);
     for (uint32_t i = 0; i < MOST_IMAGES; i++) {
-        blocks[i] = make_block(&w, 3 * SLICE, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, !copied);
-        staging[i] = make_block(&w, 3 * SLICE, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, true);
+        blocks[i] = make_block(&w, block_size(), usage, !copied);
+        staging[i] = make_block(&w, block_size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, true);
+        if (has_attribute())
+            continue;
         const VkDescriptorSetAllocateInfo allocate = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
                                                       .descriptorPool = descriptors,
                                                       .descriptorSetCount = 1,
@@ -186,15 +232,30 @@ static VkViewport viewport(void)
 static void make_cube_pipeline(void)
 {
     const VkViewport window = viewport();
-    const bool push = options.matrix == MATRIX_PUSH, cells = options.cells != CELLS_NONE;
+    const bool push = has_push(), cells = options.cells != CELLS_NONE;
+    const VkVertexInputBindingDescription instances = {
+        1, of_instances() ? SLICE : 0, of_instances() ? VK_VERTEX_INPUT_RATE_INSTANCE : VK_VERTEX_INPUT_RATE_VERTEX};
+    VkVertexInputAttributeDescription columns[4];
+    for (uint32_t i = 0; i < 4; i++)
+        columns[i] = (VkVertexInputAttributeDescription){3 + i, 1, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * i};
+    const VkPipelineVertexInputStateCreateInfo input = {.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+                                                        .vertexBindingDescriptionCount = 1,
+                                                        .pVertexBindingDescriptions = &instances,
+                                                        .vertexAttributeDescriptionCount = 4,
+                                                        .pVertexAttributeDescriptions = columns};
     const shader_words whole = push ? SHADER(cube_push) : SHADER(cube_block);
     const shader_words parts = push ? SHADER(cells_push) : SHADER(cells_block);
     const shader_words one = options.columns ? SHADER(cube_columns) : cells ? parts : whole;
-    const shader_words arrays[] = {one, SHADER(cube_array), SHADER(cube_rows), SHADER(cube_row_vector)};
+    const shader_words address = options.matrix == MATRIX_ADDRESS       ? SHADER(cube_address)
+                                 : options.matrix == MATRIX_ADDRESS_SUM ? SHADER(cube_address_sum)
+                                                                        : SHADER(cube_address_block);
+    const shader_words any = has_address() ? address : has_attribute() ? SHADER(cube_instance) : one;
+    const shader_words arrays[] = {any, SHADER(cube_array), SHADER(cube_rows), SHADER(cube_row_vector)};
     const shader_words fragments[] = {SHADER(cube_frag), SHADER(cube_clip), SHADER(cube_place)};
     pipeline_description description = {.vertex = arrays[options.array],
                                         .fragment = fragments[options.clip + 2 * options.place],
                                         .layout = layout,
+                                        .input = has_attribute() ? &input : NULL,
                                         .pass = pass,
                                         .color = w.format,
                                         .depth = DEPTH_FORMAT,
@@ -279,12 +340,34 @@ static matrix4 flat_matrix(void)
     return (matrix4){{half, 0, 0, 0, 0, half, 0, 0, 0, 0, 0, 0, 0, 0, options.flat == 2 ? 1.0f : 0.0f, 1}};
 }
 
+/* Address of what a shader reads of a block from `offset` on. */
+static VkDeviceAddress address_of_matrix(uint32_t index, uint32_t offset)
+{
+    const VkBufferDeviceAddressInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO,
+                                            .buffer = blocks[index].buffer};
+    return vkGetBufferDeviceAddress(w.device, &info) + offset + AFTER_ADDRESS - BEFORE_MATRIX;
+}
+
+/* Pushes the address of a matrix. With MATRIX_ADDRESS_SUM the shader adds the last number. */
+static void push_address(VkCommandBuffer buffer, uint32_t index, uint32_t offset)
+{
+    const uint32_t more = options.matrix == MATRIX_ADDRESS_SUM ? 16 : 0;
+    const VkDeviceAddress address = address_of_matrix(index, offset) - more;
+    const uint32_t numbers[] = {0, 0, (uint32_t)address, (uint32_t)(address >> 32), more};
+    vkCmdPushConstants(buffer, layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof numbers, numbers);
+}
+
 static void fill_block(uint32_t index)
 {
     const matrix4 scene = direction_matrix(&options.direction, w.extent, options.flip), flat = flat_matrix();
-    char *bytes = options.matrix == MATRIX_COPIED ? staging[index].bytes : blocks[index].bytes;
-    memcpy(bytes + SLICE, &scene, sizeof scene);
-    memcpy(bytes + 2 * SLICE, &flat, sizeof flat);
+    char *bytes = copies() ? staging[index].bytes : blocks[index].bytes;
+    const size_t behind = has_address() ? AFTER_ADDRESS : 0;
+    memcpy(bytes + SLICE + behind, &scene, sizeof scene);
+    memcpy(bytes + 2 * SLICE + behind, &flat, sizeof flat);
+    for (uint32_t slice = 1; has_address() && slice < 3; slice++) {
+        const VkDeviceAddress address = address_of_matrix(index, slice * SLICE);
+        memcpy(bytes + slice * SLICE, &address, sizeof address);
+    }
 }
 
 static void push_block(VkCommandBuffer buffer, uint32_t index, uint32_t offset)
@@ -310,17 +393,23 @@ static void draw_one(VkCommandBuffer buffer, uint32_t index, bool flat)
     if (options.array >= ARRAY_ROWS)
         matrix = matrix_transposed(matrix);
     const uint32_t offset = flat ? 2 * SLICE : SLICE;
+    const VkDeviceSize first_matrix = of_instances() ? 0 : offset;
+    const uint32_t first_instance = of_instances() ? offset / SLICE : 0;
     if (options.matrix == MATRIX_PUSH)
         vkCmdPushConstants(buffer, layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof matrix, &matrix);
     else if (pushes())
         push_block(buffer, index, offset);
+    else if (has_push())
+        push_address(buffer, index, offset);
+    else if (has_attribute())
+        vkCmdBindVertexBuffers(buffer, 1, 1, &blocks[index].buffer, &first_matrix);
     else
         vkCmdBindDescriptorSets(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &sets[index],
                                 options.matrix == MATRIX_DYNAMIC_BLOCK ? 1 : 0, &offset);
     if (options.indirect)
         vkCmdDrawIndirect(buffer, indirect.buffer, 0, 1, sizeof(VkDrawIndirectCommand));
     else if (options.cells == CELLS_NONE)
-        vkCmdDraw(buffer, 36, 1, 0, 0);
+        vkCmdDraw(buffer, 36, 1, 0, first_instance);
     else if (options.cells == CELLS_BEHIND)
         vkCmdDraw(buffer, 6 * CELL_COUNT, 2, 0, 1); /* the ball, then the larger cube behind it */
     else
@@ -374,7 +463,7 @@ static void draw(VkCommandBuffer buffer, uint32_t index)
     if (options.flat == 2)
         draw_one(buffer, index, true);
     for (draw_number = 0; draw_number < options.draws; draw_number++)
-        draw_one(buffer, index, false);
+        draw_one(buffer, index, options.flat == 3);
     if (options.flat == 1)
         draw_one(buffer, index, true);
 }
@@ -483,14 +572,14 @@ static void record(uint32_t index)
     if (options.secondary)
         record_inner(index);
     expect(vkBeginCommandBuffer(buffer, &begin), "vkBeginCommandBuffer");
-    if (options.matrix == MATRIX_COPIED) {
-        const VkBufferCopy region = {0, 0, 3 * SLICE};
+    if (copies()) {
+        const VkBufferCopy region = {0, 0, block_size()};
         const VkMemoryBarrier copied = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
                                         .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
-                                        .dstAccessMask = VK_ACCESS_UNIFORM_READ_BIT};
+                                        .dstAccessMask = VK_ACCESS_UNIFORM_READ_BIT | VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT};
+        const VkPipelineStageFlags readers = VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_VERTEX_SHADER_BIT;
         vkCmdCopyBuffer(buffer, staging[index].buffer, blocks[index].buffer, 1, &region);
-        vkCmdPipelineBarrier(buffer, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_VERTEX_SHADER_BIT, 0, 1, &copied, 0,
-                             NULL, 0, NULL);
+        vkCmdPipelineBarrier(buffer, VK_PIPELINE_STAGE_TRANSFER_BIT, readers, 0, 1, &copied, 0, NULL, 0, NULL);
     }
     if (options.pass == PASS_DYNAMIC)
         record_dynamic(buffer, index);
@@ -541,6 +630,7 @@ static void frame(void)
 
 static void open_all(void)
 {
+    w.addresses = has_address();
     w.stages = options.stage != STAGE_VERTEX;
     window_open(&w, options.direction.x, options.direction.y, options.direction.width, options.direction.height, options.srgb,
                 options.matrix == MATRIX_PUSHED_SET,
