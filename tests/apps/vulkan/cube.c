@@ -5,8 +5,10 @@
  * (--cells), other shader stages (--stage), and depth in a separate pass (--depth).
  */
 #include "../common/waiting.h"
+#include "cube_pass.h"
 #include "depth_pass.h"
 #include "frames.h"
+#include "matrix_kinds.h"
 #include "memory.h"
 #include "options.h"
 #include "pipelines.h"
@@ -51,122 +53,10 @@ static frame_objects objects;
 static block blocks[MOST_IMAGES], staging[MOST_IMAGES], indirect;
 
 enum { CELL_COUNT = 6 * 64 * 64 };
-enum { SLICE = 256 }; /* distance of two matrices in a block: the largest alignment that a device may require */
-enum { AFTER_ADDRESS = 64, BEFORE_MATRIX = 16 }; /* behind an address: its block's matrix, and what is before it */
-
-/* Whether the shader has an address of the matrix. */
-static bool has_address(void)
-{
-    return options.matrix >= MATRIX_ADDRESS && options.matrix <= MATRIX_ADDRESS_SUM;
-}
-
-/* Whether push constants hold the matrix, or its address. */
-static bool has_push(void)
-{
-    return options.matrix == MATRIX_PUSH || options.matrix == MATRIX_ADDRESS || options.matrix == MATRIX_ADDRESS_SUM;
-}
-
-/* Whether the matrix is an attribute of instances. */
-static bool of_instances(void)
-{
-    return options.matrix == MATRIX_INSTANCE || options.matrix == MATRIX_INSTANCE_COPIED;
-}
-
-/* Whether the matrix is an attribute. */
-static bool has_attribute(void)
-{
-    return of_instances() || options.matrix == MATRIX_VERTICES;
-}
-
-/* Whether the matrix is copied to memory of the device. */
-static bool copies(void)
-{
-    return options.matrix == MATRIX_COPIED || options.matrix == MATRIX_LARGE || options.matrix == MATRIX_INSTANCE_COPIED;
-}
-
-/* Size of a block: that of its matrices, or more than is read with each copy. */
-static VkDeviceSize block_size(void)
-{
-    return options.matrix == MATRIX_LARGE ? 1 << 17 : 3 * SLICE;
-}
-
 /* Whether descriptors are pushed. The device must support it. */
 static bool pushes(void)
 {
     return options.matrix == MATRIX_PUSHED_SET && w.has.push_descriptor;
-}
-
-static bool multisampled(void)
-{
-    return options.samples > 1;
-}
-
-static void make_pass(void)
-{
-    const VkImageLayout color = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    const VkImageLayout deep = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
-    const VkAttachmentLoadOp clear = VK_ATTACHMENT_LOAD_OP_CLEAR, any = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-    const VkAttachmentStoreOp store = VK_ATTACHMENT_STORE_OP_STORE, drop = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-    const VkSampleCountFlagBits count = (VkSampleCountFlagBits)options.samples;
-    /* Colour, depth, and the window's image if the colour is another image. */
-    VkAttachmentDescription2 all[3] = {
-        {VK_STRUCTURE_TYPE_ATTACHMENT_DESCRIPTION_2, NULL, 0, w.format, count, clear, store, any, drop,
-         VK_IMAGE_LAYOUT_UNDEFINED, multisampled() ? color : VK_IMAGE_LAYOUT_PRESENT_SRC_KHR},
-        {VK_STRUCTURE_TYPE_ATTACHMENT_DESCRIPTION_2, NULL, 0, DEPTH_FORMAT, count,
-         options.depth == DEPTH_TOGETHER ? clear : VK_ATTACHMENT_LOAD_OP_LOAD, drop, any, drop,
-         options.depth == DEPTH_TOGETHER ? VK_IMAGE_LAYOUT_UNDEFINED : deep, deep},
-        {VK_STRUCTURE_TYPE_ATTACHMENT_DESCRIPTION_2, NULL, 0, w.format, VK_SAMPLE_COUNT_1_BIT, any, store, any, drop,
-         VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR}};
-    const uint32_t number = multisampled() ? 3 : 2;
-    const VkPipelineStageFlags stages = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
-                                        VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
-                                        VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
-    const VkAccessFlags access =
-        VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
-    if (options.pass == PASS_2) {
-        const VkAttachmentReference2 colors = {VK_STRUCTURE_TYPE_ATTACHMENT_REFERENCE_2, NULL, 0, color, 1};
-        const VkAttachmentReference2 depths = {VK_STRUCTURE_TYPE_ATTACHMENT_REFERENCE_2, NULL, 1, deep, 2};
-        const VkAttachmentReference2 resolves = {VK_STRUCTURE_TYPE_ATTACHMENT_REFERENCE_2, NULL, 2, color, 1};
-        const VkSubpassDescription2 subpass = {.sType = VK_STRUCTURE_TYPE_SUBPASS_DESCRIPTION_2,
-                                               .colorAttachmentCount = 1,
-                                               .pColorAttachments = &colors,
-                                               .pDepthStencilAttachment = &depths,
-                                               .pResolveAttachments = multisampled() ? &resolves : NULL};
-        const VkSubpassDependency2 before = {.sType = VK_STRUCTURE_TYPE_SUBPASS_DEPENDENCY_2,
-                                             .srcSubpass = VK_SUBPASS_EXTERNAL,
-                                             .srcStageMask = stages,
-                                             .dstStageMask = stages,
-                                             .srcAccessMask = access,
-                                             .dstAccessMask = access};
-        const VkRenderPassCreateInfo2 info = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO_2,
-                                              .attachmentCount = number,
-                                              .pAttachments = all,
-                                              .subpassCount = 1,
-                                              .pSubpasses = &subpass,
-                                              .dependencyCount = 1,
-                                              .pDependencies = &before};
-        expect(vkCreateRenderPass2(w.device, &info, NULL, &pass), "vkCreateRenderPass2");
-        return;
-    }
-    VkAttachmentDescription plain[3];
-    for (int i = 0; i < 3; i++)
-        plain[i] = (VkAttachmentDescription){all[i].flags, all[i].format, all[i].samples, all[i].loadOp, all[i].storeOp,
-                                             all[i].stencilLoadOp, all[i].stencilStoreOp, all[i].initialLayout,
-                                             all[i].finalLayout};
-    const VkAttachmentReference colors = {0, color}, depths = {1, deep}, resolves = {2, color};
-    const VkSubpassDescription subpass = {.colorAttachmentCount = 1,
-                                          .pColorAttachments = &colors,
-                                          .pDepthStencilAttachment = &depths,
-                                          .pResolveAttachments = multisampled() ? &resolves : NULL};
-    const VkSubpassDependency before = {VK_SUBPASS_EXTERNAL, 0, stages, stages, access, access, 0};
-    const VkRenderPassCreateInfo info = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
-                                         .attachmentCount = number,
-                                         .pAttachments = plain,
-                                         .subpassCount = 1,
-                                         .pSubpasses = &subpass,
-                                         .dependencyCount = 1,
-                                         .pDependencies = &before};
-    expect(vkCreateRenderPass(w.device, &info, NULL, &pass), "vkCreateRenderPass");
 }
 
 static void make_layout(void)
@@ -233,16 +123,6 @@ static void make_cube_pipeline(void)
 {
     const VkViewport window = viewport();
     const bool push = has_push(), cells = options.cells != CELLS_NONE;
-    const VkVertexInputBindingDescription instances = {
-        1, of_instances() ? SLICE : 0, of_instances() ? VK_VERTEX_INPUT_RATE_INSTANCE : VK_VERTEX_INPUT_RATE_VERTEX};
-    VkVertexInputAttributeDescription columns[4];
-    for (uint32_t i = 0; i < 4; i++)
-        columns[i] = (VkVertexInputAttributeDescription){3 + i, 1, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * i};
-    const VkPipelineVertexInputStateCreateInfo input = {.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
-                                                        .vertexBindingDescriptionCount = 1,
-                                                        .pVertexBindingDescriptions = &instances,
-                                                        .vertexAttributeDescriptionCount = 4,
-                                                        .pVertexAttributeDescriptions = columns};
     const shader_words whole = push ? SHADER(cube_push) : SHADER(cube_block);
     const shader_words parts = push ? SHADER(cells_push) : SHADER(cells_block);
     const shader_words one = options.columns ? SHADER(cube_columns) : cells ? parts : whole;
@@ -255,7 +135,7 @@ static void make_cube_pipeline(void)
     pipeline_description description = {.vertex = arrays[options.array],
                                         .fragment = fragments[options.clip + 2 * options.place],
                                         .layout = layout,
-                                        .input = has_attribute() ? &input : NULL,
+                                        .input = matrix_input(),
                                         .pass = pass,
                                         .color = w.format,
                                         .depth = DEPTH_FORMAT,
@@ -340,19 +220,11 @@ static matrix4 flat_matrix(void)
     return (matrix4){{half, 0, 0, 0, 0, half, 0, 0, 0, 0, 0, 0, 0, 0, options.flat == 2 ? 1.0f : 0.0f, 1}};
 }
 
-/* Address of what a shader reads of a block from `offset` on. */
-static VkDeviceAddress address_of_matrix(uint32_t index, uint32_t offset)
-{
-    const VkBufferDeviceAddressInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO,
-                                            .buffer = blocks[index].buffer};
-    return vkGetBufferDeviceAddress(w.device, &info) + offset + AFTER_ADDRESS - BEFORE_MATRIX;
-}
-
 /* Pushes the address of a matrix. With MATRIX_ADDRESS_SUM the shader adds the last number. */
 static void push_address(VkCommandBuffer buffer, uint32_t index, uint32_t offset)
 {
     const uint32_t more = options.matrix == MATRIX_ADDRESS_SUM ? 16 : 0;
-    const VkDeviceAddress address = address_of_matrix(index, offset) - more;
+    const VkDeviceAddress address = address_of_matrix(&w, &blocks[index], offset) - more;
     const uint32_t numbers[] = {0, 0, (uint32_t)address, (uint32_t)(address >> 32), more};
     vkCmdPushConstants(buffer, layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof numbers, numbers);
 }
@@ -365,7 +237,7 @@ static void fill_block(uint32_t index)
     memcpy(bytes + SLICE + behind, &scene, sizeof scene);
     memcpy(bytes + 2 * SLICE + behind, &flat, sizeof flat);
     for (uint32_t slice = 1; has_address() && slice < 3; slice++) {
-        const VkDeviceAddress address = address_of_matrix(index, slice * SLICE);
+        const VkDeviceAddress address = address_of_matrix(&w, &blocks[index], slice * SLICE);
         memcpy(bytes + slice * SLICE, &address, sizeof address);
     }
 }
@@ -636,7 +508,7 @@ static void open_all(void)
                 options.matrix == MATRIX_PUSHED_SET,
                 options.copy_window ? VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT : 0);
     if (options.pass != PASS_DYNAMIC)
-        make_pass();
+        pass = make_pass(&w);
     make_layout();
     indirect = make_block(&w, sizeof(VkDrawIndirectCommand), VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, true);
     *(VkDrawIndirectCommand *)indirect.bytes = (VkDrawIndirectCommand){36, 1, 0, 0};
