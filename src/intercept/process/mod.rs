@@ -7,6 +7,7 @@
 //! - [`call_sum`]: do all machines make the same calls?
 //! - [`publishing`]: who gets the finished pictures?
 //! - [`signals`], [`ending`]: does the process end?
+//! - [`xcb`]: how large is a window of X11?
 
 pub mod call_sum;
 pub mod clock;
@@ -18,3 +19,4 @@ pub mod nodes;
 pub mod publishing;
 pub mod settings;
 pub mod signals;
+pub mod xcb;

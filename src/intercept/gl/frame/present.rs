@@ -152,10 +152,11 @@ const MOST_FAILED_CORRECTIONS: u32 = 2;
 
 /// Logs that a program draws everything flat, or that it leaves out objects beside its own picture.
 fn look_for_a_scene(ctx: &mut Context) {
-    let (mut flat_program, mut culling_program) = ctx.frame.program_checks();
+    let (mut flat_program, mut culling_program) = ctx.frame.take_program_checks();
     if let Some(session) = ctx.drawable.session() {
-        let (draws, has_scene) = (ctx.frame.counts().draws_seen, ctx.frame.shows_scene());
-        flat_program.look(draws, has_scene, session, || frame_statistics::off_screen(ctx));
+        let (counts, has_scene) = (ctx.frame.counts(), ctx.frame.shows_scene());
+        let (draws, missing) = (counts.draws_seen, counts.missing);
+        flat_program.look(draws, has_scene, session, &missing, || frame_statistics::off_screen(ctx));
     }
     if let Some(session) = ctx.drawable.session() {
         culling_program.look(ctx.frame.counts().places, ctx.frame.lens().as_ref(), session);

@@ -20,7 +20,7 @@ use crate::intercept::gl::state::frame::publishing::Publishing;
 use crate::intercept::gl::state::frame::statistics::Counts;
 use crate::intercept::scene::camera::Cameras;
 use crate::intercept::scene::culling_program::CullingProgram;
-use crate::intercept::scene::flat_program::FlatProgram;
+use crate::intercept::scene::flat_program::{FlatProgram, MissingLens};
 use crate::runtime::frame_times::FrameTimes;
 use crate::runtime::session::{Intrinsics, Session};
 use std::sync::{Arc, Mutex};
@@ -160,6 +160,11 @@ impl Frame {
         self.counts.found.count(how);
     }
 
+    /// Notes a draw to the window that has no lens.
+    pub fn note_missing_lens(&mut self, reason: MissingLens) {
+        self.counts.missing.count(reason, 1);
+    }
+
     /// Notes a draw whose projection was found in this way, without a lens of its own.
     pub fn note_found(&mut self, how: &'static str) {
         self.counts.found.count(how);
@@ -192,9 +197,14 @@ impl Frame {
         self.failed_corrections
     }
 
-    /// Returns the tests whether the program draws no scene, and whether it leaves out objects.
-    pub fn program_checks(&self) -> (FlatProgram, CullingProgram) {
-        (self.flat_program, self.culling_program)
+    /// Takes the tests whether the program draws no scene, and whether it leaves out objects.
+    pub fn take_program_checks(&mut self) -> (FlatProgram, CullingProgram) {
+        (std::mem::take(&mut self.flat_program), self.culling_program)
+    }
+
+    /// The message for a program without a scene, if there was one.
+    pub fn flat_note(&self) -> Option<&str> {
+        self.flat_program.note()
     }
 
     /// Puts these tests back after they have looked at a frame.
