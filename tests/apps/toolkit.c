@@ -88,6 +88,18 @@ static void copy(int left, int bottom)
     glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
 }
 
+/* Draws a white square into the scene's picture, without perspective. */
+static void draw_mark(void)
+{
+    glMatrixMode(GL_PROJECTION);
+    glLoadIdentity();
+    glMatrixMode(GL_MODELVIEW);
+    glLoadIdentity();
+    glDisable(GL_DEPTH_TEST);
+    glColor3f(1.0f, 1.0f, 1.0f);
+    glRectf(-0.8f, -0.8f, -0.5f, -0.5f);
+}
+
 /* Draws the widgets around the scene, an orange background below it and a green menu above it. */
 static void draw_panes(const app *a)
 {
@@ -108,6 +120,8 @@ static void draw(app *a)
     if (framebuffer == 0)
         make_framebuffer();
     fixed_cube(a);
+    if (has_panes(a))
+        draw_mark();
     app_check_error(a, "in the context without a window");
     window_make_current(&a->window);
     glClear(GL_COLOR_BUFFER_BIT);

@@ -149,18 +149,21 @@ fn a_scene_between_widgets() {
             (left..right).contains(&x) && (bottom..top).contains(&y)
         };
         let scene = shown_by_fisheye(CIRCLE, camera_of(&run));
+        // The white square lies at the same place of the window on the panel.
+        let near_square = [50.0, 47.0, 92.0, 84.0];
         let shown = |x: f64, y: f64| match on_panel(x, y) {
-            Some(at) if !within(at, [38.0, 38.0, 250.0, 218.0]) => Shown::Unknown,
+            Some(at) if !within(at, [38.0, 38.0, 250.0, 218.0]) || within(at, near_square) => Shown::Unknown,
             _ => scene(x, y),
         };
         expect_good(&compare(&picture, shown), &picture, &format!("toolkit {mode}"));
-        let mut seen = [0; 3];
+        let mut seen = [0; 4];
         for (x, y) in (0..256).flat_map(|y| (0..256).map(move |x| (x, y))) {
             let Some(at) = on_panel(x as f64 + 0.5, y as f64 + 0.5) else { continue };
             let widgets = [
                 ([6.0, 6.0, 250.0, 26.0], [255, 128, 0]),
                 ([6.0, 6.0, 26.0, 218.0], [255, 128, 0]),
                 ([6.0, 230.0, 250.0, 250.0], [0, 128, 0]),
+                ([62.0, 59.0, 80.0, 72.0], [255, 255, 255]),
             ];
             for (count, (_, colour)) in seen.iter_mut().zip(widgets).filter(|(_, (place, _))| within(at, *place)) {
                 let found = picture.at(x, y);
@@ -168,7 +171,7 @@ fn a_scene_between_widgets() {
                 *count += 1;
             }
         }
-        assert!(seen.iter().all(|count| *count > 30), "{mode}: {seen:?} pixels of the widgets");
+        assert!(seen.iter().all(|count| *count > 20), "{mode}: {seen:?} pixels of the widgets");
     }
 }
 

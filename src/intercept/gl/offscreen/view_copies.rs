@@ -77,6 +77,8 @@ pub fn collect(ctx: &mut Context) {
         }
         pair.context != id
     });
+    // A context that draws to no window ends no frames.
+    take_measurements(ctx);
     if stale {
         leave(ctx);
         ctx.view_copies.coverage.clear(gl);
@@ -166,18 +168,23 @@ pub fn clear(ctx: &mut Context) {
     std::mem::take(&mut ctx.view_copies.displayed).destroy(gl);
 }
 
-/// Ends a frame. Images that were seen to lie between a scene and the window get view copies.
-pub fn end_frame(ctx: &mut Context) {
+/// Takes over the results of measurements that have ended.
+fn take_measurements(ctx: &mut Context) {
     let gl = ctx.driver.gl;
     let mut parts = Vec::new();
     let ViewCopies { coverage, images, learnt, .. } = &mut ctx.view_copies;
-    *learnt |= coverage.end_frame(gl, |set, part| {
+    *learnt |= coverage.take_results(gl, |set, part| {
         parts.extend((set != 0).then_some(part));
         for image in images.iter_mut().enumerate().take(64).filter(|(i, _)| set >> i & 1 != 0).map(|(_, image)| image) {
             image.displayed = true;
         }
     });
     parts.into_iter().for_each(|part| ctx.view_copies.note_part(part));
+}
+
+/// Ends a frame. Images that were seen to lie between a scene and the window get view copies.
+pub fn end_frame(ctx: &mut Context) {
+    take_measurements(ctx);
     if !std::mem::take(&mut ctx.view_copies.learnt) || !possible(&ctx.drawable) {
         return;
     }

@@ -113,9 +113,9 @@ impl Coverage {
         }
     }
 
-    /// Ends a frame and reads the results. Calls `found` with the images that fill a window or a large
+    /// Reads the results of measurements. Calls `found` with the images that fill a window or a large
     /// part of it, and with this part. Returns true if there are any results.
-    pub fn end_frame(&mut self, gl: &Gl, mut found: impl FnMut(Set, LowerLeftRect)) -> bool {
+    pub fn take_results(&mut self, gl: &Gl, mut found: impl FnMut(Set, LowerLeftRect)) -> bool {
         let mut any = false;
         for kind in &mut self.0 {
             let state = match kind.state {

@@ -8,6 +8,7 @@ use crate::intercept::gl::state::offscreen::framebuffers::Framebuffer;
 use crate::intercept::gl::state::offscreen::images::{Image, Name, Pair, Set};
 use crate::intercept::gl::state::offscreen::issued::Issued;
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
+use crate::intercept::scene::viewport;
 use crate::lock::Lock;
 use glam::DMat3;
 use std::sync::Mutex;
@@ -22,8 +23,8 @@ pub struct ViewCopies {
     pub(in crate::intercept::gl) images: Vec<Image>,
     pub(in crate::intercept::gl) framebuffers: Vec<Framebuffer>,
     pub(in crate::intercept::gl) coverage: Coverage,
-    /// Sizes of the parts of the window that images of the program fill.
-    pub(in crate::intercept::gl) parts: Vec<(u32, u32)>,
+    /// Parts of the window that images of the program fill.
+    pub(in crate::intercept::gl) parts: Vec<LowerLeftRect>,
     /// True if the view copy of the program's draw framebuffer is bound in its place.
     pub(in crate::intercept::gl) bound: bool,
     /// True if new facts about the images were found in this frame.
@@ -74,7 +75,7 @@ pub struct InspectedPass {
 #[derive(Default)]
 pub struct SharedViewCopies {
     pub(in crate::intercept::gl) images: Vec<Image>,
-    pub(in crate::intercept::gl) parts: Vec<(u32, u32)>,
+    pub(in crate::intercept::gl) parts: Vec<LowerLeftRect>,
     pub(in crate::intercept::gl) learnt: bool,
     pub(in crate::intercept::gl) own_picture: bool,
     pub(in crate::intercept::gl) issued: Issued,
@@ -110,11 +111,20 @@ impl ViewCopies {
 
     /// Notes that an image of the program fills a part of the window.
     pub fn note_part(&mut self, part: LowerLeftRect) {
-        let size = (part.width.max(0) as u32, part.height.max(0) as u32);
-        if !self.parts.contains(&size) {
+        if !self.parts.contains(&part) {
             self.parts.truncate(MOST_PARTS - 1);
-            self.parts.insert(0, size);
+            self.parts.insert(0, part);
         }
+    }
+
+    /// Returns the part of the window that a picture of this size fills, by its shape. `None`: no part
+    /// is known that has this shape.
+    pub fn part_of([width, height]: [i32; 2], parts: &[LowerLeftRect]) -> Option<LowerLeftRect> {
+        let has_shape = |part: &&LowerLeftRect| {
+            let size = (part.width.max(0) as u32, part.height.max(0) as u32);
+            viewport::has_shape_of_window(width.into(), height.into(), size)
+        };
+        parts.iter().find(has_shape).copied()
     }
 
     /// Gives the shared records back to the group, as the context is not current any more.
