@@ -295,13 +295,9 @@ fn preset_of(name: &str, size: (u32, u32)) -> String {
 }
 
 /// Rigs in which a part of the picture misses the screen, so that only an import's pixels tell where
-/// it ends, and a mirror's rig whose views are halves of its picture.
-const OTHERS: [(&str, (u32, u32)); 4] = [
-    ("planetarium-2", (240, 135)),
-    ("planetarium-2", (480, 270)),
-    ("planetarium-2", (640, 360)),
-    ("idome", (480, 270)),
-];
+/// it ends.
+const OTHERS: [(&str, (u32, u32)); 3] =
+    [("planetarium-2", (240, 135)), ("planetarium-2", (480, 270)), ("planetarium-2", (640, 360))];
 
 /// An import has no tilt until the operator adds it. That turns the dome, but costs nothing.
 #[test]
