@@ -38,6 +38,7 @@ impl Frame {
         if let Some(layout) = self.layout.as_ref().filter(|_| in_views) {
             let has_scene = !self.counts.found.is_empty() || self.counts.duplicated > 0;
             self.flat_program.look(self.counts.seen, has_scene, &layout.session, &self.counts.missing, off_screen);
+            self.small_window.look(&layout.session);
         }
         self.order.end_frame();
         self.cameras.end_frame();

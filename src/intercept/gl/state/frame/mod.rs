@@ -18,6 +18,7 @@ use crate::intercept::gl::state::frame::draw_count::DrawCount;
 use crate::intercept::gl::state::frame::front_buffer::FrontBufferThrottle;
 use crate::intercept::gl::state::frame::publishing::Publishing;
 use crate::intercept::gl::state::frame::statistics::Counts;
+use crate::intercept::process::small_window::SmallWindow;
 use crate::intercept::scene::camera::Cameras;
 use crate::intercept::scene::culling_program::CullingProgram;
 use crate::intercept::scene::flat_program::{FlatProgram, MissingLens};
@@ -47,6 +48,7 @@ pub struct Frame {
     failed_corrections: u32,
     /// Test whether the program draws no scene.
     flat_program: FlatProgram,
+    small_window: SmallWindow,
     /// Test whether the program leaves out objects beside its own picture.
     culling_program: CullingProgram,
     /// True if a scene was ever shown in the window.
@@ -197,9 +199,10 @@ impl Frame {
         self.failed_corrections
     }
 
-    /// Takes the tests whether the program draws no scene, and whether it leaves out objects.
-    pub fn take_program_checks(&mut self) -> (FlatProgram, CullingProgram) {
-        (std::mem::take(&mut self.flat_program), self.culling_program)
+    /// Takes the tests whether the program draws no scene, whether it leaves out objects, and whether
+    /// its window is too small.
+    pub fn take_program_checks(&mut self) -> (FlatProgram, CullingProgram, SmallWindow) {
+        (std::mem::take(&mut self.flat_program), self.culling_program, self.small_window)
     }
 
     /// The message for a program without a scene, if there was one.
@@ -208,8 +211,8 @@ impl Frame {
     }
 
     /// Puts these tests back after they have looked at a frame.
-    pub fn put_program_checks(&mut self, flat_program: FlatProgram, culling_program: CullingProgram) {
-        (self.flat_program, self.culling_program) = (flat_program, culling_program);
+    pub fn put_program_checks(&mut self, checks: (FlatProgram, CullingProgram, SmallWindow)) {
+        (self.flat_program, self.culling_program, self.small_window) = checks;
     }
 
     /// True if the test whether the program leaves out objects needs the positions of draws.

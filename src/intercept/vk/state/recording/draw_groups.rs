@@ -2,6 +2,7 @@
 //! submitted.
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
+use crate::intercept::process::small_window::SmallWindow;
 use crate::intercept::scene::camera::Cameras;
 use crate::intercept::scene::eye::Eye;
 use crate::intercept::scene::flat_program::{FlatProgram, MissingLens, MissingLenses};
@@ -240,6 +241,7 @@ pub struct Frame {
     pub(in crate::intercept::vk) order: FrameOrder,
     /// Test whether none of the program's draws is recognised as a scene.
     pub(in crate::intercept::vk) flat_program: FlatProgram,
+    pub(in crate::intercept::vk) small_window: SmallWindow,
     /// Counts for the statistics.
     pub(in crate::intercept::vk) counts: Counts,
 }
