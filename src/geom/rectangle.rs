@@ -119,6 +119,14 @@ impl LowerLeftRect {
         meet((self.x, self.width), (other.x, other.width)) && meet((self.y, self.height), (other.y, other.height))
     }
 
+    /// Returns the pixels that both rectangles have in common; an empty rectangle if there are none.
+    pub fn intersection(self, other: Self) -> Self {
+        let (x, y) = (self.x.max(other.x), self.y.max(other.y));
+        let right = self.x.saturating_add(self.width).min(other.x.saturating_add(other.width));
+        let top = self.y.saturating_add(self.height).min(other.y.saturating_add(other.height));
+        Self::new(x, y, (right - x).max(0), (top - y).max(0))
+    }
+
     /// True if the rectangle has more than half of the pixels of a picture of this size.
     pub fn is_most_of(self, (width, height): (u32, u32)) -> bool {
         2 * i64::from(self.width) * i64::from(self.height) > i64::from(width) * i64::from(height)

@@ -55,6 +55,31 @@ impl Rig {
         Some((width.saturating_mul(columns), height.saturating_mul(rows)))
     }
 
+    /// Returns a remark if outputs of `sizes` pixels, in a window of `window` pixels, have less than
+    /// half of the width or height that the rig gives them.
+    pub fn too_small(&self, window: (u32, u32), sizes: &[(u32, u32)]) -> Option<String> {
+        let outputs = self.outputs.iter().zip(sizes).filter(|(output, _)| output.has_place());
+        let short = outputs.filter_map(|(output, size)| {
+            let wanted = output.window.map(|place| place.size()).or(output.size)?;
+            (2 * u64::from(size.0) < wanted.0.into() || 2 * u64::from(size.1) < wanted.1.into())
+                .then_some((output, *size, wanted))
+        });
+        let short: Vec<_> = short.collect();
+        let (output, size, wanted) = short.first()?;
+        let others = match short.len() - 1 {
+            0 => String::new(),
+            others => format!(", and {others} more outputs too few"),
+        };
+        let cure = match self.extent() {
+            Some((width, height)) => format!("; make the window {width} × {height}, with --size {width}x{height}"),
+            None => "; make the window larger, with --size WxH".to_owned(),
+        };
+        Some(format!(
+            "a window of {} × {} pixels gives output {} {} × {} of its {} × {} pixels{others}{cure}",
+            window.0, window.1, output.name, size.0, size.1, wanted.0, wanted.1
+        ))
+    }
+
     /// Number of columns of the grid of outputs, at least one.
     fn columns(&self) -> u32 {
         (1..).find(|columns| columns * columns >= self.outputs_here()).unwrap_or(1)
@@ -70,5 +95,30 @@ impl Output {
     /// True if this machine's window shows the output.
     fn has_place(&self) -> bool {
         self.here && self.shown
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    #[test]
+    fn outputs_with_far_too_few_pixels_are_remarked_with_the_size_that_fits() {
+        let rig = crate::rig::load("planetarium-6").expect("a preset");
+        let remark = |window| {
+            let sizes: Vec<_> = rig.layout(window).iter().map(|rect| rect.size()).collect();
+            rig.too_small(window, &sizes)
+        };
+        let words = remark((300, 300)).expect("100 × 150 pixels are too few");
+        for part in ["front 100 × 150 of its 1920 × 1080", "5 more", "--size 5760x2160"] {
+            assert!(words.contains(part), "{words}");
+        }
+        // Half of the pixels in each direction is enough, and so is the window that is proposed.
+        assert_eq!([remark((2880, 1080)), remark((5760, 2160))], [None, None]);
+        assert!(remark((2870, 1080)).is_some() && remark((2880, 1070)).is_some());
+        // A rig that gives no sizes asks for none.
+        let text = "[[output]]\nkind = \"domemaster\"\n";
+        let plain = crate::rig::parse(text, "rig.toml", Path::new("")).expect("a rig");
+        assert_eq!(plain.too_small((10, 10), &[(10, 10)]), None);
     }
 }

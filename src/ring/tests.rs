@@ -299,3 +299,27 @@ fn deep_pictures_are_for_readers_that_ask_for_them() {
     assert!(refused.contains("the format 9"), "{refused}");
     writer.end();
 }
+
+#[test]
+fn frames_are_awaited_while_a_living_reader_has_read_all() {
+    let path = path("awaited");
+    let mut writer = Writer::create(&path, &shapes(&[(4, 4)]), 3, false).expect("a ring");
+    assert!(!writer.is_awaited(), "nobody reads");
+    let mut readers = [0, 1].map(|_| Reader::open(&path).expect("a reader"));
+    assert!(writer.is_awaited());
+    publish(&mut writer, 1);
+    assert!(!writer.is_awaited(), "nobody has read the frame");
+    let mut frame = Frame::default();
+    assert_eq!(readers[1].next(SOON, &mut frame).expect("a ring"), Next::Frame);
+    assert!(writer.is_awaited(), "one of two has");
+    publish(&mut writer, 2);
+    readers[1].skip_to_newest();
+    assert!(!writer.is_awaited());
+    // A reader that is gone is forgotten after some frames.
+    assert_eq!(readers[0].next(SOON, &mut frame).expect("a ring"), Next::Frame);
+    assert_eq!(readers[0].next(SOON, &mut frame).expect("a ring"), Next::Frame);
+    drop(readers);
+    (3..8).for_each(|index| publish(&mut writer, index));
+    assert!(!writer.is_awaited());
+    writer.end();
+}

@@ -297,6 +297,13 @@ impl Writer {
         (readers.filter(|reader| self.memory.is_locked(reader.lock_byte())).count(), self.lost)
     }
 
+    /// True if a reader has read all frames that were published.
+    pub fn is_awaited(&self) -> bool {
+        (0..READERS).map(|number| ReaderWords::new(&self.memory, number)).any(|reader| {
+            reader.is_active().load(Ordering::Acquire) != FREE && reader.cursor().load(Ordering::Acquire) >= self.number
+        })
+    }
+
     fn finish(&self, state: u64) {
         set(&self.memory, header::STATE, state);
         self.memory.wake(header::PUBLISHED);

@@ -101,7 +101,7 @@ pub struct Statistics {
     /// Frames that were published for other processes; absent if none were.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub published: Option<Published>,
-    /// Notes of the planner.
+    /// Notes of the planner, and reasons why the program is shown flat.
     pub notes: Vec<String>,
 }
 

@@ -190,6 +190,11 @@ impl Session {
         self.request.window
     }
 
+    /// Remark for the user if the window has too few pixels for the outputs.
+    pub fn too_small(&self) -> Option<String> {
+        self.rig.too_small(self.request.window, &self.request.output_sizes)
+    }
+
     /// Views of the plan.
     pub fn views(&self) -> &[View] {
         &self.plan.views.views

@@ -1,7 +1,8 @@
 /*
  * Direction test as a toolkit draws it: a context without a window draws the scene into a texture.
  * Another context, which shares the texture, draws the window with it. With --mode docked the scene
- * fills only a part of the window.
+ * fills only a small part of the window. With --mode panes it fills most of it, between widgets; with
+ * panes-copied it is copied there.
  */
 #include "common/fixed.h"
 
@@ -10,10 +11,24 @@
 
 static GLXContext studio;
 static GLXPbuffer nowhere;
-static GLuint framebuffer, picture, depth;
+static GLuint framebuffer, reader, picture, depth;
+static int width, height; /* of the texture */
+
+static bool is_mode(const app *a, const char *mode)
+{
+    return a->mode != NULL && strcmp(a->mode, mode) == 0;
+}
+
+static bool has_panes(const app *a)
+{
+    return is_mode(a, "panes") || is_mode(a, "panes-copied");
+}
 
 static void setup(app *a)
 {
+    width = has_panes(a) ? a->window.width * 7 / 8 : a->window.width;
+    height = has_panes(a) ? a->window.height * 3 / 4 : a->window.height;
+    a->projection = matrix_perspective(a->fov, (double)width / height, a->near, a->far);
     static const int attributes[] = {GLX_PBUFFER_WIDTH, 1, GLX_PBUFFER_HEIGHT, 1, None};
     studio = glXCreateNewContext(a->window.display, a->window.config, GLX_RGBA_TYPE, a->window.context, True);
     nowhere = glXCreatePbuffer(a->window.display, a->window.config, attributes);
@@ -23,50 +38,102 @@ static void setup(app *a)
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, a->window.width, a->window.height, 0, GL_RGBA, GL_UNSIGNED_BYTE, NULL);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, NULL);
 }
 
-static void make_framebuffer(const app *a)
+static void make_framebuffer(void)
 {
     glGenRenderbuffers(1, &depth);
     glBindRenderbuffer(GL_RENDERBUFFER, depth);
-    glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, a->window.width, a->window.height);
+    glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, width, height);
     glGenFramebuffers(1, &framebuffer);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, picture, 0);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth);
-    glViewport(0, 0, a->window.width, a->window.height);
+    glViewport(0, 0, width, height);
 }
 
-static void compose(float part)
+/* Draws a rectangle of the window, in pixels. */
+static void rectangle(int left, int bottom, int across, int up)
+{
+    glBegin(GL_QUADS);
+    for (int i = 0; i < 4; i++) {
+        int x = i == 1 || i == 2, y = i >= 2;
+        glTexCoord2i(x, y);
+        glVertex2i(left + x * across, bottom + y * up);
+    }
+    glEnd();
+}
+
+/* Shows the texture in a rectangle of the window. */
+static void show(int left, int bottom, int across, int up)
+{
+    glEnable(GL_TEXTURE_2D);
+    glBindTexture(GL_TEXTURE_2D, picture);
+    glColor3f(1.0f, 1.0f, 1.0f);
+    rectangle(left, bottom, across, up);
+    glDisable(GL_TEXTURE_2D);
+}
+
+/* Copies the texture to a place of the window. */
+static void copy(int left, int bottom)
+{
+    if (reader == 0) {
+        glGenFramebuffers(1, &reader);
+        glBindFramebuffer(GL_READ_FRAMEBUFFER, reader);
+        glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, picture, 0);
+    }
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, reader);
+    glBlitFramebuffer(0, 0, width, height, left, bottom, left + width, bottom + height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
+}
+
+/* Draws a white square into the scene's picture, without perspective. */
+static void draw_mark(void)
 {
     glMatrixMode(GL_PROJECTION);
     glLoadIdentity();
     glMatrixMode(GL_MODELVIEW);
     glLoadIdentity();
     glDisable(GL_DEPTH_TEST);
-    glEnable(GL_TEXTURE_2D);
-    glBindTexture(GL_TEXTURE_2D, picture);
     glColor3f(1.0f, 1.0f, 1.0f);
-    glBegin(GL_QUADS);
-    for (int i = 0; i < 4; i++) {
-        float x = i == 1 || i == 2, y = i >= 2;
-        glTexCoord2f(x, y);
-        glVertex2f(2.0f * part * x - 1.0f, 2.0f * part * y - 1.0f);
-    }
-    glEnd();
+    glRectf(-0.8f, -0.8f, -0.5f, -0.5f);
+}
+
+/* Draws the widgets around the scene, an orange background below it and a green menu above it. */
+static void draw_panes(const app *a)
+{
+    int left = a->window.width - width, bottom = a->window.height / 8;
+    glColor3f(1.0f, 0.5f, 0.0f);
+    rectangle(0, 0, a->window.width, a->window.height);
+    if (is_mode(a, "panes"))
+        show(left, bottom, width, height);
+    else
+        copy(left, bottom);
+    glColor3f(0.0f, 0.5f, 0.0f);
+    rectangle(0, bottom + height, a->window.width, a->window.height - bottom - height);
 }
 
 static void draw(app *a)
 {
     glXMakeContextCurrent(a->window.display, nowhere, nowhere, studio);
     if (framebuffer == 0)
-        make_framebuffer(a);
+        make_framebuffer();
     fixed_cube(a);
+    if (has_panes(a))
+        draw_mark();
     app_check_error(a, "in the context without a window");
     window_make_current(&a->window);
     glClear(GL_COLOR_BUFFER_BIT);
-    compose(a->mode != NULL && strcmp(a->mode, "docked") == 0 ? 0.5f : 1.0f);
+    fixed_begin_pixels(a);
+    if (has_panes(a))
+        draw_panes(a);
+    else if (is_mode(a, "docked"))
+        show(0, 0, a->window.width / 2, a->window.height / 2);
+    else
+        show(0, 0, a->window.width, a->window.height);
+    fixed_end_pixels();
+    app_check_error(a, "in the window");
 }
 
 int main(int argc, char **argv)

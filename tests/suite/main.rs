@@ -60,6 +60,7 @@ mod vulkan_calls;
 mod vulkan_computed;
 mod vulkan_faults;
 mod vulkan_later;
+mod vulkan_matrices;
 mod vulkan_others;
 mod vulkan_primitives;
 mod vulkan_queries;
@@ -111,6 +112,7 @@ harness::tests! {
     vulkan_computed,
     vulkan_faults,
     vulkan_later,
+    vulkan_matrices,
     vulkan_others,
     vulkan_primitives,
     vulkan_queries,

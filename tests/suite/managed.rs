@@ -3,8 +3,9 @@
 use crate::display;
 use crate::finished::Finished;
 use crate::harness::tests;
-use crate::programs::{Run, built, library};
+use crate::programs::{Run, built, library, vulkan_apps};
 use std::collections::HashMap;
+use std::path::Path;
 use std::process::Command;
 use x11rb::connection::Connection;
 use x11rb::errors::ReplyOrIdError;
@@ -85,13 +86,21 @@ impl Manager {
 }
 
 fn a_window_of_one_size_gets_the_wanted_one() {
+    gets_the_wanted_size(&built().join("immediate"));
+    if let Some(vulkan) = vulkan_apps() {
+        gets_the_wanted_size(&vulkan.join("vk_cube"));
+    }
+}
+
+/// The window of a program gets the size that `--size` says, although it has another size only.
+fn gets_the_wanted_size(program: &Path) {
     let Some(display) = display::own(24) else { return };
     let manager = Manager::new(&display.name);
     let thread = std::thread::spawn(|| manager.run());
-    let run = Run { frames: 0, size: (96, 96), ..Run::new("immediate") };
+    let run = Run { frames: 0, size: (96, 96), ..Run::new("a program") };
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
     command.env("CUPOLA_LIBRARY", library()).args(["run", "--rig", "fisheye", "--size", "200x150", "--frames", "8"]);
-    command.args(["--capture", "capture.png", "--"]).arg(built().join(run.program));
+    command.args(["--capture", "capture.png", "--"]).arg(program);
     let place = display::place();
     command.args(run.arguments(&place));
     let finished = Finished::on(&display, command, run.program, "fisheye").expect_success();

@@ -2,7 +2,7 @@
 
 use crate::display;
 use crate::harness::tests;
-use crate::programs::{Finished, Run, built, library, scratch};
+use crate::programs::{Finished, Run, built, library, scratch, vulkan_apps};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
@@ -30,7 +30,8 @@ fn record_run(out: &Path, run: &Run<'_>, options: &[&str]) -> Option<Finished> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
     command.env("CUPOLA_LIBRARY", library()).arg("record").args(options).arg("--out").arg(out).arg("--");
     let place = display::place();
-    command.arg(built().join(run.program)).args(run.arguments(&place));
+    let folder = if run.program.starts_with("vk_") { vulkan_apps()? } else { built() };
+    command.arg(folder.join(run.program)).args(run.arguments(&place));
     Finished::of(command, run.program, "record")
 }
 
@@ -198,15 +199,22 @@ fn files_of_16_bits_and_open_exr() {
     assert!(files(&folder.join("es")).is_empty());
 }
 
-/// The program draws half-transparent squares over a cube.
+/// The programs draw squares over a cube: half-transparent ones with OpenGL, one with Vulkan.
 fn a_recording_without_flat_drawing() {
+    let cube = |extra| Run { extra, ..Run::new("vk_cube") };
+    without_flat_drawing(&Run::new("hud"), &Run::new("immediate"));
+    without_flat_drawing(&cube(&["--flat", "over"]), &cube(&[]));
+    without_flat_drawing(&cube(&["--flat", "over", "--pass", "dynamic", "--secondary"]), &cube(&[]));
+}
+
+/// A recording of `flat` without flat drawing shows what `scene` shows.
+fn without_flat_drawing(flat: &Run<'_>, scene: &Run<'_>) {
     let folder = scratch("flat");
-    let run = |program| Run { frames: 2, ..Run::new(program) };
     let mut pictures = Vec::new();
-    for (program, options) in [("hud", &[][..]), ("hud", &["--no-overlay"]), ("immediate", &[])] {
+    for (run, options) in [(flat, &[][..]), (flat, &["--no-overlay"]), (scene, &[])] {
         let options = [options, &["--frames", "2", "--name", "A"]].concat();
         let out = folder.join(pictures.len().to_string());
-        let Some(finished) = record_run(&out, &run(program), &options) else { return };
+        let Some(finished) = record_run(&out, &Run { frames: 2, ..run.clone() }, &options) else { return };
         finished.expect_success();
         pictures.push(crate::picture::Picture::load(&out.join("A_000002.png")));
     }

@@ -9,6 +9,7 @@ use crate::vkcube::{expect_cube, fisheye};
 tests! {
     vkcube_is_drawn_for_each_view,
     vkcube_in_a_window_of_10_bits,
+    vkcube_in_a_window_of_another_size,
     vkcube_through_twenty_sizes_in_a_thousand_frames,
 }
 
@@ -36,6 +37,16 @@ fn vkcube_in_a_window_of_10_bits() {
     assert!(!ten.words().contains("own picture"), "{}", ten.words());
     // 459 of 90,000 pixels were found to differ.
     expect_similar(&ten.picture("capture.png"), &eight.picture("capture.png"), 1, 0.0102, "vkcube in 10 and in 8 bits");
+}
+
+/// `--size` gives the window, which the program makes by libxcb, its size.
+fn vkcube_in_a_window_of_another_size() {
+    let Some(display) = display::own(24) else { return };
+    let options = ["--frames", "4", "--capture", "capture.png", "--size", "280x190"];
+    let size = ["--width", SIZE, "--height", SIZE];
+    let Some(finished) = installed_on(&display, "vkcube", &size, "fisheye", &options) else { return };
+    let picture = finished.expect_success().picture("capture.png");
+    assert_eq!((picture.width, picture.height), (280, 190));
 }
 
 /// In a thousand frames with twenty sizes the validation layer writes only messages that it also

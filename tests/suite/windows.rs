@@ -1,6 +1,7 @@
 //! Outputs in separate windows: `cupola window`.
 
 use crate::display::{self, Display};
+use crate::finished::Finished;
 use crate::harness::tests;
 use crate::programs::{Run, built, library, scratch};
 use std::path::{Path, PathBuf};
@@ -9,6 +10,28 @@ use std::time::{Duration, Instant};
 
 tests! {
     outputs_on_two_screens_are_those_of_one_window,
+    a_window_that_is_too_small_is_told_with_the_size_that_fits,
+}
+
+/// A window of 256 × 256 pixels is divided among six projectors of 1920 × 1080. Nothing is told of
+/// a size that the user has chosen, of projectors whose size the rig does not say, and of frames in
+/// which the window may still grow.
+fn a_window_that_is_too_small_is_told_with_the_size_that_fits() {
+    let told = |finished: &Finished| finished.words().matches("gives output front 85 × 128 of its 1920 × 1080").count();
+    let run = Run { frames: 30, cupola_frames: 30, ..Run::new("core330_mvp") };
+    let Some(finished) = run.under("planetarium-6").map(Finished::expect_success) else { return };
+    assert_eq!(told(&finished), 1, "{}", finished.words());
+    assert!(finished.words().contains("--size 5760x2160"), "{}", finished.words());
+    let chosen = Run { cupola: &["--size", "256x256"], ..run.clone() };
+    let early = Run { frames: 10, cupola_frames: 10, ..run.clone() };
+    for (run, rig) in [(chosen, "planetarium-6"), (early, "planetarium-6"), (run, "fisheye")] {
+        let Some(finished) = run.under(rig).map(Finished::expect_success) else { return };
+        assert!(!finished.words().contains("of its"), "{rig}: {}", finished.words());
+    }
+    // Vulkan's programs are told by the same words.
+    let run = Run { frames: 30, extra: &["--pass", "1", "--matrix", "block"], ..Run::new("vk_cube") };
+    let Some(finished) = run.vulkan_under("planetarium-6") else { return };
+    assert_eq!(told(&finished), 1, "{}", finished.words());
 }
 
 const SIZE: (u32, u32) = (96, 54);

@@ -36,6 +36,7 @@ mod launch;
 mod manual;
 mod map;
 mod node;
+mod patience;
 mod pattern;
 mod pipe;
 mod plan;

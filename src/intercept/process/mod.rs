@@ -6,7 +6,9 @@
 //! - [`clock`]: is the program's time virtual? [`nodes`]: may this frame be shown yet?
 //! - [`call_sum`]: do all machines make the same calls?
 //! - [`publishing`]: who gets the finished pictures?
+//! - [`small_window`]: has the window too few pixels for the outputs?
 //! - [`signals`], [`ending`]: does the process end?
+//! - [`xcb`]: how large is a window of X11?
 
 pub mod call_sum;
 pub mod clock;
@@ -18,3 +20,5 @@ pub mod nodes;
 pub mod publishing;
 pub mod settings;
 pub mod signals;
+pub mod small_window;
+pub mod xcb;

@@ -39,10 +39,10 @@ struct Pace {
 
 impl Pace {
     /// True if a frame of this time is published. `least`: least time between frames, in
-    /// nanoseconds. The first frame with another `version` of the rig is always published, because
-    /// somebody waits for it.
-    fn takes(&mut self, now: u64, least: u64, version: u64) -> bool {
-        if self.last.is_some_and(|(last, shown)| now < last + least && shown == version) {
+    /// nanoseconds. `awaited`: a reader has read all that was published. The first frame with
+    /// another `version` of the rig is always published, because somebody waits for it.
+    fn takes(&mut self, now: u64, least: u64, version: u64, awaited: bool) -> bool {
+        if self.last.is_some_and(|(last, shown)| (now < last + least || !awaited) && shown == version) {
             return false;
         }
         self.last = Some((now, version));
@@ -96,7 +96,9 @@ pub fn wants(window: u64, version: u64) -> bool {
         return false;
     }
     let (now, least) = (crate::system::monotonic(), settings.publish_interval);
-    least == 0 || publishing.pace.takes(now, least, version)
+    // The last frame before a program's time is held is published, whoever has read the others.
+    let awaited = clock::time().is_some() || publishing.writer.as_ref().is_none_or(Writer::is_awaited);
+    least == 0 || publishing.pace.takes(now, least, version, awaited)
 }
 
 /// True if the program waits for the readers of its frames.
@@ -186,13 +188,17 @@ mod tests {
     #[test]
     fn frames_between_two_published_ones_are_left_out() {
         let mut pace = Pace::default();
-        let taken: Vec<u64> = (0..100).map(|frame| frame * 7).filter(|now| pace.takes(*now, 30, 0)).collect();
+        let taken: Vec<u64> = (0..100).map(|frame| frame * 7).filter(|now| pace.takes(*now, 30, 0, true)).collect();
         assert_eq!(taken[..4], [0, 35, 70, 105]);
         // The first frame of a changed rig does not wait, and those after it do.
-        let taken: Vec<bool> = [(700, 0), (701, 1), (702, 1), (731, 1)].map(|(now, v)| pace.takes(now, 30, v)).into();
+        let taken: Vec<bool> =
+            [(700, 0), (701, 1), (702, 1), (731, 1)].map(|(now, v)| pace.takes(now, 30, v, true)).into();
         assert_eq!(taken, [true, true, false, true]);
+        // What nobody has read yet is not replaced, except by a changed rig.
+        let taken = [(800, 1, false), (900, 1, false), (901, 2, false), (990, 2, true)];
+        assert_eq!(taken.map(|(now, v, awaited)| pace.takes(now, 30, v, awaited)), [false, false, true, true]);
         // A program that is slower than the pace publishes each frame.
         let mut pace = Pace::default();
-        assert!((0..10).all(|frame| pace.takes(frame * 40, 30, 0)));
+        assert!((0..10).all(|frame| pace.takes(frame * 40, 30, 0, true)));
     }
 }

@@ -7,6 +7,7 @@ use crate::views::arranging::cost::PlannerOptions;
 use crate::views::arranging::dedicated::own_view;
 use crate::views::arranging::partition::{Task, diagram};
 use crate::views::arranging::projected;
+use crate::views::sampling::effort::Effort;
 use crate::views::sampling::output_map;
 use crate::views::sampling::samples::{COARSE, Samples};
 use crate::views::view_plan::Request;
@@ -60,9 +61,10 @@ pub fn with_cell_costs<R>(rig: &Rig, request: &Request, search: impl FnOnce(&Cel
         projected::view(rig, index, output_maps[index].size).is_none()
             && own_view(&rig.outputs[index].kind, index, &output_maps[index], rig.views.method).is_none()
     };
+    let mut effort = Effort::of_plan();
     let shared: Vec<(usize, Samples)> = (0..output_maps.len())
         .filter(|&index| shares(index))
-        .map(|index| (index, Samples::new(&output_maps[index], COARSE)))
+        .map(|index| (index, Samples::new(&output_maps[index], COARSE, &mut effort)))
         .filter(|(_, samples)| !samples.is_empty())
         .collect();
     if shared.is_empty() {

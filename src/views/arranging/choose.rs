@@ -8,7 +8,8 @@ use crate::views::arranging::dedicated::{OutputSamples, dedicated_within};
 use crate::views::arranging::partition::{Partition, Task, WideCell, diagram};
 use crate::views::arranging::planned_view::{Arrangement, PlannedView};
 use crate::views::fitting::axes::facing;
-use crate::views::sampling::output_map::{OutputMap, lens_rotation};
+use crate::views::sampling::effort::{Effort, MOST_PLACES};
+use crate::views::sampling::output_map::{OutputMap, lens_rotation, viewer_rotation};
 use crate::views::sampling::sample::mean_direction;
 use crate::views::sampling::samples::Samples;
 use crate::views::view_plan::LEFT_OUT;
@@ -24,11 +25,19 @@ pub(super) const MOST_TEXELS_PER_PIXEL: f64 = 64.0;
 
 /// Chooses the views for outputs of the given sizes.
 pub(crate) fn arrange(rig: &Rig, output_maps: &[OutputMap]) -> Result<Arrangement> {
+    arrange_within(rig, output_maps, &mut Effort::of_plan())
+}
+
+/// As [`arrange`], with what `effort` permits.
+fn arrange_within(rig: &Rig, output_maps: &[OutputMap], effort: &mut Effort) -> Result<Arrangement> {
     let options = PlannerOptions::of(rig);
     let mut notes = Vec::new();
     let mut sampled = Vec::new();
     for (index, (output, output_map)) in rig.outputs.iter().zip(output_maps).enumerate() {
-        let this = OutputSamples::new(rig, index, output_map);
+        let this = OutputSamples::new(rig, index, output_map, effort);
+        if effort.is_spent() {
+            return Err(too_much_work(&output.name, index));
+        }
         let single = rig.views.method == ViewMethod::Single && rig.views.cells.is_empty();
         if output_map.size == (0, 0) {
             notes.push(format!("output {} has no views: it lies outside of the window", output.name));
@@ -175,6 +184,19 @@ fn without_view(rig: &Rig, outputs: &[usize]) -> Error {
     )
 }
 
+/// Error for output `name`, which spends what `others` outputs before it have left.
+fn too_much_work(name: &str, others: usize) -> Error {
+    let before = if others > 0 { format!(", together with the {others} outputs before it") } else { String::new() };
+    Error::new(
+        ErrorKind::InvalidRig,
+        format!(
+            "output {name}: directions change so unevenly over its picture that the planner would need more than \
+             {MOST_PLACES} samples of it{before}, which is its limit; use a mesh or a calibration with fewer or smoother \
+             faces, or fewer outputs"
+        ),
+    )
+}
+
 fn too_wide_cell(index: usize) -> Error {
     Error::new(
         ErrorKind::InvalidRig,
@@ -224,7 +246,10 @@ fn share_equals(views: &mut Vec<PlannedView>) {
 }
 
 /// Returns the frames (local → viewer axes) for which cubes are tried: those of domemasters and
-/// panoramas, the viewer's, and one that looks at the middle of all samples.
+/// panoramas, the viewer's, one that looks at the middle of all samples, and the dome's.
+///
+/// A cube that stands on a dome's rim cuts a hemisphere into as few cells whatever way the viewer
+/// looks.
 pub(in crate::views) fn frames(rig: &Rig, sharing: &[usize], samples: &[&Samples]) -> Vec<DMat3> {
     let middle: DVec3 = samples.iter().map(|samples| mean_direction(samples.iter())).sum();
     let lenses = sharing.iter().filter_map(|&index| match rig.outputs[index].kind {
@@ -232,8 +257,9 @@ pub(in crate::views) fn frames(rig: &Rig, sharing: &[usize], samples: &[&Samples
         OutputKind::Panorama { angles: [yaw, pitch, roll], .. } => Some(pose::rotation(yaw, pitch, roll)),
         _ => None,
     });
+    let dome = rig.screen.is_none().then(|| viewer_rotation(rig).transpose() * lens_rotation(rig.dome.tilt));
     let mut frames: Vec<DMat3> = Vec::new();
-    for frame in lenses.chain([DMat3::IDENTITY, facing(middle)]) {
+    for frame in lenses.chain([DMat3::IDENTITY, facing(middle)]).chain(dome) {
         if !frames.iter().any(|other| other.abs_diff_eq(frame, 1e-6)) {
             frames.push(frame);
         }
@@ -304,6 +330,29 @@ mod tests {
     }
 
     #[test]
+    fn a_rig_that_needs_too_many_samples_is_refused_with_the_output_that_does() {
+        let outputs = (0..64).map(|index| {
+            let around = f64::from(index) / 64.0 * 360.0;
+            projector(&format!("p{index}"), DVec3::new(0.0, 0.4, 2.0), [around, 30.0, 0.0], lens(70.0, 45.0))
+        });
+        let mut rig = rig(outputs.collect());
+        rig.viewer.position = DVec3::new(0.0, 0.0, 3.0);
+        let maps: Vec<OutputMap> = (0..64).map(|i| OutputMap::new(&rig, i, (1920, 1080)).expect("a map")).collect();
+        let mut effort = Effort::of_plan();
+        for (index, map) in maps.iter().enumerate() {
+            OutputSamples::new(&rig, index, map, &mut effort);
+        }
+        let needed = MOST_PLACES - effort.left();
+        assert!(8 * needed < MOST_PLACES, "64 projectors need {needed}");
+        // A part of what is needed is refused, and as much as is needed is not.
+        rig.outputs.truncate(3);
+        let error = arrange_within(&rig, &maps[..3], &mut Effort::of(needed / 64)).expect_err("too little");
+        assert!(error.kind == ErrorKind::InvalidRig && error.message.starts_with("output p"), "{error}");
+        assert!(error.message.contains("fewer outputs"), "{error}");
+        assert!(arrange_within(&rig, &maps[..3], &mut Effort::of(needed)).is_ok());
+    }
+
+    #[test]
     fn what_is_not_planned_would_have_cost_more() {
         let mut random = Random::new(11);
         let (mut shared, mut unplanned) = (0, 0);
@@ -327,7 +376,8 @@ mod tests {
             let output_map = |index: usize| OutputMap::new(&rig, index, (side, side)).expect("a map");
             let output_maps: Vec<OutputMap> = (0..rig.outputs.len()).map(output_map).collect();
             let sampled = || -> Vec<OutputSamples> {
-                output_maps.iter().enumerate().map(|(i, output_map)| OutputSamples::new(&rig, i, output_map)).collect()
+                let maps = output_maps.iter().enumerate();
+                maps.map(|(i, map)| OutputSamples::new(&rig, i, map, &mut Effort::of_plan())).collect()
             };
             let (quick, whole) = (sampled(), sampled());
             let best = best(&rig, &quick, &output_maps, 0.0).expect("a plan");

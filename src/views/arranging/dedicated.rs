@@ -8,6 +8,7 @@ use crate::views::arranging::planned_view::{PlannedView, cost};
 use crate::views::arranging::projected;
 use crate::views::fitting::axes;
 use crate::views::fitting::fit::{Fit, Patch};
+use crate::views::sampling::effort::Effort;
 use crate::views::sampling::output_map::{OutputMap, UNIT_FRUSTUM};
 use crate::views::sampling::sample::mean_direction;
 use crate::views::sampling::samples::{COARSE, FINE, Samples};
@@ -32,9 +33,9 @@ pub(crate) struct OutputSamples {
 }
 
 impl OutputSamples {
-    /// Samples output `index` of `rig`.
-    pub fn new(rig: &Rig, index: usize, output_map: &OutputMap) -> Self {
-        let (coarse, fine) = (Samples::new(output_map, COARSE), Samples::new(output_map, FINE));
+    /// Samples output `index` of `rig`, as far as `effort` permits.
+    pub fn new(rig: &Rig, index: usize, output_map: &OutputMap, effort: &mut Effort) -> Self {
+        let [coarse, fine] = [COARSE, FINE].map(|fineness| Samples::new(output_map, fineness, effort));
         let output = &rig.outputs[index];
         let given = || {
             projected::view(rig, index, output_map.size)

@@ -12,6 +12,7 @@
 
 mod boundary;
 pub mod cone;
+pub mod effort;
 pub mod output_map;
 mod pixel_width;
 mod projector_map;

@@ -155,6 +155,11 @@ impl OutputMap {
         !matches!(&self.map, Map::Traced { map, .. } if !map.screen().is_smooth())
     }
 
+    /// True if the output has a calibration, whose pixels alone tell where its picture ends.
+    pub fn is_calibration(&self) -> bool {
+        matches!(&self.map, Map::Traced { least, .. } if *least > 0.0)
+    }
+
     /// Returns the parts of the picture without discontinuities, by their outermost sampled places,
     /// top left and bottom right.
     pub fn pieces(&self) -> Vec<[DVec2; 2]> {

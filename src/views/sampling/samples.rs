@@ -3,6 +3,7 @@
 //! Lines are used instead of points: a line can be cut exactly where it crosses the side of a view.
 //! So the openings and resolutions of cropped views do not depend on the positions of samples.
 
+use crate::views::sampling::effort::Effort;
 use crate::views::sampling::output_map::OutputMap;
 use crate::views::sampling::sample::{Sample, mean_direction};
 use glam::{DMat3, DVec2, DVec3};
@@ -22,6 +23,9 @@ pub(crate) const COARSE: Fineness = Fineness { cells: 6, border: 12 };
 /// pixels.
 pub(crate) const FINE: Fineness = Fineness { cells: 64, border: 768 };
 
+/// Least number of cells of the grid over a calibration. No curve tells where such a picture ends.
+const CALIBRATION_CELLS: u32 = 12;
+
 /// Greatest relative difference between the spread in the middle of two samples and the mean of
 /// theirs.
 const UNEVEN: f64 = 0.01;
@@ -36,6 +40,8 @@ pub(crate) struct Samples {
     /// Lines: consecutive samples are neighbours in the picture.
     pub lines: Vec<Vec<Sample>>,
     cap: Cap,
+    /// What is left of the effort. Nothing is sampled any more if it is spent.
+    effort: Effort,
 }
 
 /// A cone around directions, for a quick test that they are elsewhere.
@@ -84,10 +90,10 @@ fn sine_of(cosine: f64) -> f64 {
 
 impl Samples {
     /// Samples `output_map`: the outermost places of pixels (or the rim of the circle), and a grid
-    /// inside.
-    pub fn new(output_map: &OutputMap, fineness: Fineness) -> Self {
+    /// inside. They are not complete if `effort` is spent.
+    pub fn new(output_map: &OutputMap, fineness: Fineness, effort: &mut Effort) -> Self {
         let cap = Cap { axis: DVec3::NEG_Z, cosine: -1.0 };
-        let mut samples = Self { output_map: output_map.clone(), lines: Vec::new(), cap };
+        let mut samples = Self { output_map: output_map.clone(), lines: Vec::new(), cap, effort: *effort };
         if output_map.size == (0, 0) {
             return samples;
         }
@@ -102,6 +108,7 @@ impl Samples {
             samples.add_line(steps, rim);
         }
         samples.cap = Cap::around(samples.iter());
+        *effort = samples.effort;
         samples
     }
 
@@ -163,6 +170,7 @@ impl Samples {
         let at = |x: f64, y: f64| low + (high - low) * DVec2::new(x, y);
         // Parts that stand out of a mesh may be small.
         let cells = if output_map.is_smooth() { fineness.cells } else { 4 * fineness.cells };
+        let cells = if output_map.is_calibration() { cells.max(CALIBRATION_CELLS) } else { cells };
         for index in 1..cells {
             let part = f64::from(index) / f64::from(cells);
             self.add_line(cells, |t| output_map.sample(at(t, part)));
@@ -204,6 +212,9 @@ impl Samples {
     /// Adds the line `at(0…1)` in `steps` steps, interrupted and ended exactly where nothing is
     /// shown.
     fn add_line(&mut self, steps: u32, at: impl Fn(f64) -> Option<Sample>) {
+        if !self.effort.take(u64::from(steps) + 1) {
+            return;
+        }
         let mut line: Vec<Sample> = Vec::new();
         let mut before = 0.0;
         for step in 0..=steps {
@@ -216,7 +227,9 @@ impl Samples {
                 self.lines.push(std::mem::take(&mut line));
             }
             if let (Some(last), Some(sample)) = (line.last().copied(), &sample) {
+                let known = line.len();
                 refine(&at, (before, &last), (here, sample), REFINEMENTS, &mut line);
+                self.effort.take((line.len() - known) as u64);
             }
             line.extend(sample);
             before = here;
@@ -356,7 +369,8 @@ mod tests {
         ]);
         let (mut none, mut all, mut some) = (0, 0, 0);
         for index in 0..rig.outputs.len() {
-            let samples = Samples::new(&OutputMap::new(&rig, index, (320, 200)).expect("a map"), COARSE);
+            let samples =
+                Samples::new(&OutputMap::new(&rig, index, (320, 200)).expect("a map"), COARSE, &mut Effort::of_plan());
             let everything = samples.iter().count();
             for _ in 0..300 {
                 // Cones of all widths: three sides around an axis.

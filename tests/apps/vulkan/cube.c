@@ -5,8 +5,10 @@
  * (--cells), other shader stages (--stage), and depth in a separate pass (--depth).
  */
 #include "../common/waiting.h"
+#include "cube_pass.h"
 #include "depth_pass.h"
 #include "frames.h"
+#include "matrix_kinds.h"
 #include "memory.h"
 #include "options.h"
 #include "pipelines.h"
@@ -14,11 +16,15 @@
 /* Compiled from cube.vert and cube.frag by glslangValidator. */
 #include "cells_block.h"
 #include "cells_push.h"
+#include "cube_address.h"
+#include "cube_address_block.h"
+#include "cube_address_sum.h"
 #include "cube_array.h"
 #include "cube_block.h"
 #include "cube_clip.h"
 #include "cube_columns.h"
 #include "cube_frag.h"
+#include "cube_instance.h"
 #include "cube_place.h"
 #include "cube_push.h"
 #include "cube_row_vector.h"
@@ -47,85 +53,10 @@ static frame_objects objects;
 static block blocks[MOST_IMAGES], staging[MOST_IMAGES], indirect;
 
 enum { CELL_COUNT = 6 * 64 * 64 };
-enum { SLICE = 256 }; /* distance of two matrices in a block: the largest alignment that a device may require */
-
 /* Whether descriptors are pushed. The device must support it. */
 static bool pushes(void)
 {
     return options.matrix == MATRIX_PUSHED_SET && w.has.push_descriptor;
-}
-
-static bool multisampled(void)
-{
-    return options.samples > 1;
-}
-
-static void make_pass(void)
-{
-    const VkImageLayout color = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    const VkImageLayout deep = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
-    const VkAttachmentLoadOp clear = VK_ATTACHMENT_LOAD_OP_CLEAR, any = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-    const VkAttachmentStoreOp store = VK_ATTACHMENT_STORE_OP_STORE, drop = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-    const VkSampleCountFlagBits count = (VkSampleCountFlagBits)options.samples;
-    /* Colour, depth, and the window's image if the colour is another image. */
-    VkAttachmentDescription2 all[3] = {
-        {VK_STRUCTURE_TYPE_ATTACHMENT_DESCRIPTION_2, NULL, 0, w.format, count, clear, store, any, drop,
-         VK_IMAGE_LAYOUT_UNDEFINED, multisampled() ? color : VK_IMAGE_LAYOUT_PRESENT_SRC_KHR},
-        {VK_STRUCTURE_TYPE_ATTACHMENT_DESCRIPTION_2, NULL, 0, DEPTH_FORMAT, count,
-         options.depth == DEPTH_TOGETHER ? clear : VK_ATTACHMENT_LOAD_OP_LOAD, drop, any, drop,
-         options.depth == DEPTH_TOGETHER ? VK_IMAGE_LAYOUT_UNDEFINED : deep, deep},
-        {VK_STRUCTURE_TYPE_ATTACHMENT_DESCRIPTION_2, NULL, 0, w.format, VK_SAMPLE_COUNT_1_BIT, any, store, any, drop,
-         VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR}};
-    const uint32_t number = multisampled() ? 3 : 2;
-    const VkPipelineStageFlags stages = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
-                                        VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
-                                        VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
-    const VkAccessFlags access =
-        VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
-    if (options.pass == PASS_2) {
-        const VkAttachmentReference2 colors = {VK_STRUCTURE_TYPE_ATTACHMENT_REFERENCE_2, NULL, 0, color, 1};
-        const VkAttachmentReference2 depths = {VK_STRUCTURE_TYPE_ATTACHMENT_REFERENCE_2, NULL, 1, deep, 2};
-        const VkAttachmentReference2 resolves = {VK_STRUCTURE_TYPE_ATTACHMENT_REFERENCE_2, NULL, 2, color, 1};
-        const VkSubpassDescription2 subpass = {.sType = VK_STRUCTURE_TYPE_SUBPASS_DESCRIPTION_2,
-                                               .colorAttachmentCount = 1,
-                                               .pColorAttachments = &colors,
-                                               .pDepthStencilAttachment = &depths,
-                                               .pResolveAttachments = multisampled() ? &resolves : NULL};
-        const VkSubpassDependency2 before = {.sType = VK_STRUCTURE_TYPE_SUBPASS_DEPENDENCY_2,
-                                             .srcSubpass = VK_SUBPASS_EXTERNAL,
-                                             .srcStageMask = stages,
-                                             .dstStageMask = stages,
-                                             .srcAccessMask = access,
-                                             .dstAccessMask = access};
-        const VkRenderPassCreateInfo2 info = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO_2,
-                                              .attachmentCount = number,
-                                              .pAttachments = all,
-                                              .subpassCount = 1,
-                                              .pSubpasses = &subpass,
-                                              .dependencyCount = 1,
-                                              .pDependencies = &before};
-        expect(vkCreateRenderPass2(w.device, &info, NULL, &pass), "vkCreateRenderPass2");
-        return;
-    }
-    VkAttachmentDescription plain[3];
-    for (int i = 0; i < 3; i++)
-        plain[i] = (VkAttachmentDescription){all[i].flags, all[i].format, all[i].samples, all[i].loadOp, all[i].storeOp,
-                                             all[i].stencilLoadOp, all[i].stencilStoreOp, all[i].initialLayout,
-                                             all[i].finalLayout};
-    const VkAttachmentReference colors = {0, color}, depths = {1, deep}, resolves = {2, color};
-    const VkSubpassDescription subpass = {.colorAttachmentCount = 1,
-                                          .pColorAttachments = &colors,
-                                          .pDepthStencilAttachment = &depths,
-                                          .pResolveAttachments = multisampled() ? &resolves : NULL};
-    const VkSubpassDependency before = {VK_SUBPASS_EXTERNAL, 0, stages, stages, access, access, 0};
-    const VkRenderPassCreateInfo info = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
-                                         .attachmentCount = number,
-                                         .pAttachments = plain,
-                                         .subpassCount = 1,
-                                         .pSubpasses = &subpass,
-                                         .dependencyCount = 1,
-                                         .pDependencies = &before};
-    expect(vkCreateRenderPass(w.device, &info, NULL, &pass), "vkCreateRenderPass");
 }
 
 static void make_layout(void)
@@ -147,7 +78,7 @@ static void make_layout(void)
                                              .pPoolSizes = &size};
     expect(vkCreateDescriptorPool(w.device, &info, NULL, &descriptors), "vkCreateDescriptorPool");
     const VkPushConstantRange range = {VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(matrix4)};
-    const bool push = options.matrix == MATRIX_PUSH;
+    const bool push = has_push();
     VkPipelineLayoutCreateInfo pipeline_layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                                         .setLayoutCount = push ? 0 : 1,
                                                         .pSetLayouts = pushes() ? &pushed_layout : &set_layout,
@@ -158,10 +89,15 @@ static void make_layout(void)
     pipeline_layout.pushConstantRangeCount = 1;
     if (pushes())
         expect(vkCreatePipelineLayout(w.device, &pipeline_layout, NULL, &plain_layout), "vkCreatePipelineLayout");
-    const bool copied = options.matrix == MATRIX_COPIED;
+    const bool copied = copies();
+    const VkBufferUsageFlags usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT |
+                                     (has_attribute() ? VK_BUFFER_USAGE_VERTEX_BUFFER_BIT : VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT) |
+                                     (has_address() ? VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT : 0);
     for (uint32_t i = 0; i < MOST_IMAGES; i++) {
-        blocks[i] = make_block(&w, 3 * SLICE, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, !copied);
-        staging[i] = make_block(&w, 3 * SLICE, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, true);
+        blocks[i] = make_block(&w, block_size(), usage, !copied);
+        staging[i] = make_block(&w, block_size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, true);
+        if (has_attribute())
+            continue;
         const VkDescriptorSetAllocateInfo allocate = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
                                                       .descriptorPool = descriptors,
                                                       .descriptorSetCount = 1,
@@ -186,15 +122,20 @@ static VkViewport viewport(void)
 static void make_cube_pipeline(void)
 {
     const VkViewport window = viewport();
-    const bool push = options.matrix == MATRIX_PUSH, cells = options.cells != CELLS_NONE;
+    const bool push = has_push(), cells = options.cells != CELLS_NONE;
     const shader_words whole = push ? SHADER(cube_push) : SHADER(cube_block);
     const shader_words parts = push ? SHADER(cells_push) : SHADER(cells_block);
     const shader_words one = options.columns ? SHADER(cube_columns) : cells ? parts : whole;
-    const shader_words arrays[] = {one, SHADER(cube_array), SHADER(cube_rows), SHADER(cube_row_vector)};
+    const shader_words address = options.matrix == MATRIX_ADDRESS       ? SHADER(cube_address)
+                                 : options.matrix == MATRIX_ADDRESS_SUM ? SHADER(cube_address_sum)
+                                                                        : SHADER(cube_address_block);
+    const shader_words any = has_address() ? address : has_attribute() ? SHADER(cube_instance) : one;
+    const shader_words arrays[] = {any, SHADER(cube_array), SHADER(cube_rows), SHADER(cube_row_vector)};
     const shader_words fragments[] = {SHADER(cube_frag), SHADER(cube_clip), SHADER(cube_place)};
     pipeline_description description = {.vertex = arrays[options.array],
                                         .fragment = fragments[options.clip + 2 * options.place],
                                         .layout = layout,
+                                        .input = matrix_input(),
                                         .pass = pass,
                                         .color = w.format,
                                         .depth = DEPTH_FORMAT,
@@ -279,12 +220,26 @@ static matrix4 flat_matrix(void)
     return (matrix4){{half, 0, 0, 0, 0, half, 0, 0, 0, 0, 0, 0, 0, 0, options.flat == 2 ? 1.0f : 0.0f, 1}};
 }
 
+/* Pushes the address of a matrix. With MATRIX_ADDRESS_SUM the shader adds the last number. */
+static void push_address(VkCommandBuffer buffer, uint32_t index, uint32_t offset)
+{
+    const uint32_t more = options.matrix == MATRIX_ADDRESS_SUM ? 16 : 0;
+    const VkDeviceAddress address = address_of_matrix(&w, &blocks[index], offset) - more;
+    const uint32_t numbers[] = {0, 0, (uint32_t)address, (uint32_t)(address >> 32), more};
+    vkCmdPushConstants(buffer, layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof numbers, numbers);
+}
+
 static void fill_block(uint32_t index)
 {
     const matrix4 scene = direction_matrix(&options.direction, w.extent, options.flip), flat = flat_matrix();
-    char *bytes = options.matrix == MATRIX_COPIED ? staging[index].bytes : blocks[index].bytes;
-    memcpy(bytes + SLICE, &scene, sizeof scene);
-    memcpy(bytes + 2 * SLICE, &flat, sizeof flat);
+    char *bytes = copies() ? staging[index].bytes : blocks[index].bytes;
+    const size_t behind = has_address() ? AFTER_ADDRESS : 0;
+    memcpy(bytes + SLICE + behind, &scene, sizeof scene);
+    memcpy(bytes + 2 * SLICE + behind, &flat, sizeof flat);
+    for (uint32_t slice = 1; has_address() && slice < 3; slice++) {
+        const VkDeviceAddress address = address_of_matrix(&w, &blocks[index], slice * SLICE);
+        memcpy(bytes + slice * SLICE, &address, sizeof address);
+    }
 }
 
 static void push_block(VkCommandBuffer buffer, uint32_t index, uint32_t offset)
@@ -310,17 +265,23 @@ static void draw_one(VkCommandBuffer buffer, uint32_t index, bool flat)
     if (options.array >= ARRAY_ROWS)
         matrix = matrix_transposed(matrix);
     const uint32_t offset = flat ? 2 * SLICE : SLICE;
+    const VkDeviceSize first_matrix = of_instances() ? 0 : offset;
+    const uint32_t first_instance = of_instances() ? offset / SLICE : 0;
     if (options.matrix == MATRIX_PUSH)
         vkCmdPushConstants(buffer, layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof matrix, &matrix);
     else if (pushes())
         push_block(buffer, index, offset);
+    else if (has_push())
+        push_address(buffer, index, offset);
+    else if (has_attribute())
+        vkCmdBindVertexBuffers(buffer, 1, 1, &blocks[index].buffer, &first_matrix);
     else
         vkCmdBindDescriptorSets(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &sets[index],
                                 options.matrix == MATRIX_DYNAMIC_BLOCK ? 1 : 0, &offset);
     if (options.indirect)
         vkCmdDrawIndirect(buffer, indirect.buffer, 0, 1, sizeof(VkDrawIndirectCommand));
     else if (options.cells == CELLS_NONE)
-        vkCmdDraw(buffer, 36, 1, 0, 0);
+        vkCmdDraw(buffer, 36, 1, 0, first_instance);
     else if (options.cells == CELLS_BEHIND)
         vkCmdDraw(buffer, 6 * CELL_COUNT, 2, 0, 1); /* the ball, then the larger cube behind it */
     else
@@ -374,7 +335,7 @@ static void draw(VkCommandBuffer buffer, uint32_t index)
     if (options.flat == 2)
         draw_one(buffer, index, true);
     for (draw_number = 0; draw_number < options.draws; draw_number++)
-        draw_one(buffer, index, false);
+        draw_one(buffer, index, options.flat == 3);
     if (options.flat == 1)
         draw_one(buffer, index, true);
 }
@@ -483,14 +444,14 @@ static void record(uint32_t index)
     if (options.secondary)
         record_inner(index);
     expect(vkBeginCommandBuffer(buffer, &begin), "vkBeginCommandBuffer");
-    if (options.matrix == MATRIX_COPIED) {
-        const VkBufferCopy region = {0, 0, 3 * SLICE};
+    if (copies()) {
+        const VkBufferCopy region = {0, 0, block_size()};
         const VkMemoryBarrier copied = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
                                         .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
-                                        .dstAccessMask = VK_ACCESS_UNIFORM_READ_BIT};
+                                        .dstAccessMask = VK_ACCESS_UNIFORM_READ_BIT | VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT};
+        const VkPipelineStageFlags readers = VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_VERTEX_SHADER_BIT;
         vkCmdCopyBuffer(buffer, staging[index].buffer, blocks[index].buffer, 1, &region);
-        vkCmdPipelineBarrier(buffer, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_VERTEX_SHADER_BIT, 0, 1, &copied, 0,
-                             NULL, 0, NULL);
+        vkCmdPipelineBarrier(buffer, VK_PIPELINE_STAGE_TRANSFER_BIT, readers, 0, 1, &copied, 0, NULL, 0, NULL);
     }
     if (options.pass == PASS_DYNAMIC)
         record_dynamic(buffer, index);
@@ -541,12 +502,13 @@ static void frame(void)
 
 static void open_all(void)
 {
+    w.addresses = has_address();
     w.stages = options.stage != STAGE_VERTEX;
     window_open(&w, options.direction.x, options.direction.y, options.direction.width, options.direction.height, options.srgb,
                 options.matrix == MATRIX_PUSHED_SET,
                 options.copy_window ? VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT : 0);
     if (options.pass != PASS_DYNAMIC)
-        make_pass();
+        pass = make_pass(&w);
     make_layout();
     indirect = make_block(&w, sizeof(VkDrawIndirectCommand), VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, true);
     *(VkDrawIndirectCommand *)indirect.bytes = (VkDrawIndirectCommand){36, 1, 0, 0};

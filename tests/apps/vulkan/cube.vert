@@ -4,9 +4,26 @@
  * divided as in ../common/cells.c: into triangles (instance 0), on a ball with the cube's colours
  * (1), in inverted colours around that ball (2), or into points in the middle of the cells (3).
  * With ARRAY the matrix is an array of columns, with ROWS an array of rows. With ROW_VECTOR the
- * matrix stands after the vector. With PROJECTING Cupola's functions are inserted before.
+ * matrix stands after the vector. With INSTANCE it is an attribute, with ADDRESS behind an address,
+ * which is in a block with BLOCK; with SUM the shader adds a number to it. With PROJECTING Cupola's functions are inserted before.
  */
+#if defined(ADDRESS)
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
+layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Camera { vec4 before; mat4 mvp; };
 #if defined(BLOCK)
+layout(set = 0, binding = 0) uniform Frame { Camera camera; };
+#define mvp camera.mvp
+#elif defined(SUM)
+layout(push_constant) uniform Frame { layout(offset = 8) uvec2 camera; uint more; };
+#define mvp Camera(uvec2(camera.x + more, camera.y)).mvp
+#else
+layout(push_constant) uniform Frame { layout(offset = 8) Camera camera; };
+#define mvp camera.mvp
+#endif
+#elif defined(INSTANCE)
+layout(location = 3) in mat4 mvp;
+#elif defined(BLOCK)
 layout(set = 0, binding = 0) uniform Camera { mat4 mvp; };
 #elif defined(COLUMNS)
 layout(push_constant) uniform Camera { vec4 x, y, z, w; };

@@ -9,8 +9,8 @@ vulkan_options options = {.direction = DIRECTION_DEFAULTS, .samples = 1, .draws 
 static void usage(void)
 {
     fprintf(stderr, "usage: vk_cube " DIRECTION_USAGE "\n"
-                    "  [--samples N] [--pass 1|2|dynamic|imageless] [--matrix push|block|dynamic|copied|pushed] [--once] [--srgb] [--flip]\n"
-                    "  [--follow] [--secondary] [--indirect] [--fixed] [--columns] [--copy-window] [--flat over|before] [--depth cleared|drawn|readable] [--array columns|rows|row-vector] [--cells triangles|ball|behind|points]\n"
+                    "  [--samples N] [--pass 1|2|dynamic|imageless] [--matrix push|block|dynamic|copied|pushed|instance|instance-copied|vertices|address|address-in-block|address-sum|large] [--once] [--srgb] [--flip]\n"
+                    "  [--follow] [--secondary] [--indirect] [--fixed] [--columns] [--copy-window] [--flat over|before|only] [--depth cleared|drawn|readable] [--array columns|rows|row-vector] [--cells triangles|ball|behind|points]\n"
                     "  [--stage vertex|geometry|tessellation] [--resizes N] [--memory FILE] [--draws N] [--clip] [--place]\n");
     exit(2);
 }
@@ -44,10 +44,11 @@ static bool is_flag(const char *option)
 void parse(int argc, char **argv)
 {
     static const char *const passes[] = {"1", "2", "dynamic", "imageless"};
-    static const char *const matrices[] = {"push", "block", "dynamic", "copied", "pushed"};
+    static const char *const matrices[] = {"push", "block", "dynamic", "copied", "pushed", "instance",
+                                           "instance-copied", "vertices", "address", "address-in-block", "address-sum", "large"};
     static const char *const cells[] = {"none", "triangles", "ball", "behind", "points"};
     static const char *const stages[] = {"vertex", "geometry", "tessellation"};
-    static const char *const flats[] = {"none", "over", "before"};
+    static const char *const flats[] = {"none", "over", "before", "only"};
     static const char *const arrays[] = {"none", "columns", "rows", "row-vector"};
     static const char *const depths[] = {"together", "cleared", "drawn", "readable"};
     for (int i = 1; i < argc; i++) {
@@ -66,9 +67,9 @@ void parse(int argc, char **argv)
         else if (strcmp(option, "--pass") == 0)
             options.pass = (pass_kind)known(value, passes, 4);
         else if (strcmp(option, "--matrix") == 0)
-            options.matrix = (matrix_kind)known(value, matrices, 5);
+            options.matrix = (matrix_kind)known(value, matrices, 12);
         else if (strcmp(option, "--flat") == 0)
-            options.flat = known(value, flats, 3);
+            options.flat = known(value, flats, 4);
         else if (strcmp(option, "--depth") == 0)
             options.depth = (depth_kind)known(value, depths, 4);
         else if (strcmp(option, "--array") == 0)

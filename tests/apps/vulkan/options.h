@@ -5,7 +5,20 @@
 #include "direction.h"
 
 typedef enum { PASS_1, PASS_2, PASS_DYNAMIC, PASS_IMAGELESS } pass_kind;
-typedef enum { MATRIX_PUSH, MATRIX_BLOCK, MATRIX_DYNAMIC_BLOCK, MATRIX_COPIED, MATRIX_PUSHED_SET } matrix_kind;
+typedef enum {
+    MATRIX_PUSH,
+    MATRIX_BLOCK,
+    MATRIX_DYNAMIC_BLOCK,
+    MATRIX_COPIED,
+    MATRIX_PUSHED_SET,
+    MATRIX_INSTANCE, /* attribute of each instance */
+    MATRIX_INSTANCE_COPIED,
+    MATRIX_VERTICES, /* attribute of each vertex */
+    MATRIX_ADDRESS, /* behind an address in push constants */
+    MATRIX_ADDRESS_IN_BLOCK,
+    MATRIX_ADDRESS_SUM, /* as MATRIX_ADDRESS, with a number that the shader adds */
+    MATRIX_LARGE /* copied together with much else */
+} matrix_kind;
 
 typedef enum { CELLS_NONE, CELLS_TRIANGLES, CELLS_BALL, CELLS_BEHIND, CELLS_POINTS } cells_kind;
 typedef enum { STAGE_VERTEX, STAGE_GEOMETRY, STAGE_TESSELLATION } stage_kind;
@@ -31,7 +44,7 @@ typedef struct {
     depth_kind depth; /* depth of the cube before the pass that draws colours */
     array_kind array; /* form of the matrix in push constants */
     bool clip, place; /* discards fragments beside the window; shows the place in the window */
-    int flat; /* 0: nothing, 1: over the cube, 2: before it */
+    int flat; /* 0: nothing, 1: over the cube, 2: before it, 3: instead of it */
     const char *memory;
 } vulkan_options;
 

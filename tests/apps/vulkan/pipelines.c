@@ -127,7 +127,7 @@ linked_pipeline make_pipeline(const vulkan_window *w, const pipeline_description
                                                .pNext = description->pass == VK_NULL_HANDLE ? &rendering : NULL,
                                                .stageCount = count,
                                                .pStages = stages,
-                                               .pVertexInputState = &input,
+                                               .pVertexInputState = description->input != NULL ? description->input : &input,
                                                .pInputAssemblyState = &assembly,
                                                .pTessellationState = patches ? &tessellation : NULL,
                                                .pViewportState = &windows,

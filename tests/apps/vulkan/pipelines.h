@@ -32,6 +32,7 @@ typedef struct {
     bool silent;                /* writes nothing */
     bool points;                /* draws points instead of triangles */
     const VkPrimitiveTopology *topology; /* topology; null: triangles, patches of triangles, or points */
+    const VkPipelineVertexInputStateCreateInfo *input; /* null: no vertex buffers */
     bool last;                  /* the last vertex of a primitive is the provoking one */
     bool topology_by_commands;  /* commands set the topology within its class */
     const VkViewport *viewport; /* null: set by commands, and so is the scissor */

@@ -129,6 +129,7 @@ static void open_device(vulkan_window *w, bool newest)
     VkPhysicalDeviceVulkan12Features features12 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
                                                    .pNext = &features11,
                                                    .imagelessFramebuffer = VK_TRUE,
+                                                   .bufferDeviceAddress = w->addresses,
                                                    .timelineSemaphore = newest};
     const VkPhysicalDeviceVulkan13Features features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
                                                        .pNext = &features12,
@@ -148,9 +149,10 @@ static void open_device(vulkan_window *w, bool newest)
 void window_open(vulkan_window *w, int x, int y, uint32_t width, uint32_t height, bool srgb, bool newest,
                  VkImageUsageFlags usage)
 {
-    const bool stages = w->stages, immediate = w->immediate;
+    const bool stages = w->stages, immediate = w->immediate, addresses = w->addresses;
     memset(w, 0, sizeof *w);
     w->stages = stages;
+    w->addresses = addresses;
     w->immediate = immediate;
     open_x11(w, x, y, width, height);
     open_device(w, newest);
@@ -284,8 +286,11 @@ void window_shot(const vulkan_window *w, const char *path)
     XDestroyImage(shot);
 }
 
-static VkDeviceMemory allocate(const vulkan_window *w, const VkMemoryRequirements *needs, VkMemoryPropertyFlags wanted)
+static VkDeviceMemory allocate(const vulkan_window *w, const VkMemoryRequirements *needs, VkMemoryPropertyFlags wanted,
+                               bool addressed)
 {
+    const VkMemoryAllocateFlagsInfo flags = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
+                                             .flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT};
     VkPhysicalDeviceMemoryProperties kinds;
     vkGetPhysicalDeviceMemoryProperties(w->physical, &kinds);
     uint32_t kind = 0;
@@ -293,7 +298,9 @@ static VkDeviceMemory allocate(const vulkan_window *w, const VkMemoryRequirement
                                                 (kinds.memoryTypes[kind].propertyFlags & wanted) != wanted))
         kind++;
     const VkMemoryAllocateInfo info = {
-        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needs->size, .memoryTypeIndex = kind};
+        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+        .pNext = addressed ? &flags : NULL,
+        .allocationSize = needs->size, .memoryTypeIndex = kind};
     VkDeviceMemory memory;
     expect(vkAllocateMemory(w->device, &info, NULL, &memory), "vkAllocateMemory");
     return memory;
@@ -303,7 +310,7 @@ VkDeviceMemory image_memory(const vulkan_window *w, VkImage image)
 {
     VkMemoryRequirements needs;
     vkGetImageMemoryRequirements(w->device, image, &needs);
-    const VkDeviceMemory memory = allocate(w, &needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+    const VkDeviceMemory memory = allocate(w, &needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, false);
     expect(vkBindImageMemory(w->device, image, memory, 0), "vkBindImageMemory");
     return memory;
 }
@@ -348,7 +355,8 @@ block make_block(const vulkan_window *w, VkDeviceSize size, VkBufferUsageFlags u
     VkMemoryRequirements needs;
     vkGetBufferMemoryRequirements(w->device, b.buffer, &needs);
     const VkMemoryPropertyFlags host = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-    b.memory = allocate(w, &needs, of_host ? host : VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+    b.memory = allocate(w, &needs, of_host ? host : VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
+                        (usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) != 0);
     expect(vkBindBufferMemory(w->device, b.buffer, b.memory, 0), "vkBindBufferMemory");
     if (of_host)
         expect(vkMapMemory(w->device, b.memory, 0, VK_WHOLE_SIZE, 0, &b.bytes), "vkMapMemory");

@@ -62,7 +62,8 @@ fn describe(text: &mut String, rig: &Rig, window: (u32, u32), plan: &ViewPlan) -
     for note in plan.remarks() {
         writeln!(text, "note      {note}")?;
     }
-    for note in jumps(rig, &sizes).into_iter().chain(remarks(rig, &sizes)) {
+    let small = rig.too_small(window, &sizes);
+    for note in jumps(rig, &sizes).into_iter().chain(remarks(rig, &sizes)).chain(small) {
         writeln!(text, "note      {note}")?;
     }
     Ok(())
@@ -349,7 +350,7 @@ pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
         "views": plan.views.iter().map(view).collect::<Vec<_>>(),
         "notes": plan.notes,
         "jumps": jumps(rig, &sizes(rig, window)),
-        "remarks": remarks(rig, &sizes(rig, window)),
+        "remarks": remarks(rig, &sizes(rig, window)).into_iter().chain(rig.too_small(window, &sizes(rig, window))).collect::<Vec<_>>(),
     })
 }
 

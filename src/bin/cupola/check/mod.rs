@@ -6,6 +6,7 @@ mod remarks;
 pub mod words;
 
 use crate::failure::Failure;
+use crate::patience::patiently;
 use crate::planning::window_request;
 use cupola::rig::presets;
 use serde_json::json;
@@ -51,12 +52,15 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         Err(error) => return Err(error.into()),
     };
     let request = window_request(&rig, arguments.size);
-    let (window, plan) = (request.window, cupola::views::plan(&rig, &request)?);
-    if arguments.json {
-        println!("{:#}", describe::json(&rig, window, &plan));
-    } else {
-        print!("{}", describe::words(&rig, window, &plan));
-    }
+    let window = request.window;
+    let words = patiently("planning the views", || -> Result<String, Failure> {
+        let plan = cupola::views::plan(&rig, &request)?;
+        Ok(match arguments.json {
+            true => format!("{:#}\n", describe::json(&rig, window, &plan)),
+            false => describe::words(&rig, window, &plan),
+        })
+    })?;
+    print!("{words}");
     Ok(ExitCode::SUCCESS)
 }
 

@@ -16,6 +16,7 @@ pub use written::save;
 use crate::failure::Failure;
 use options::Format;
 use serde_json::json;
+use source::Channel;
 use std::path::Path;
 use std::process::ExitCode;
 use written::Written;
@@ -70,6 +71,9 @@ pub fn convert(arguments: &Arguments) -> Result<Conversion, Failure> {
         _ => {
             let channels = source.channels(arguments)?;
             let written = target::write(arguments, format, &channels)?;
+            if format != Format::Rig {
+                notes.extend(lost_dome(&arguments.to, &channels));
+            }
             if format == Format::Rig && channels.iter().all(|channel| channel.dome.is_none()) {
                 notes.push(format!(
                     "{} does not say how the dome is tilted and how far it reaches down: {} has a tilt of 0° and a coverage \
@@ -82,6 +86,18 @@ pub fn convert(arguments: &Arguments) -> Result<Conversion, Failure> {
         }
     };
     Ok(Conversion { written, notes })
+}
+
+/// Remark about a dome that a format has no place for, unless it is the one that readers assume.
+fn lost_dome(to: &Path, channels: &[Channel]) -> Option<String> {
+    let dome = channels.iter().find_map(|channel| channel.dome)?;
+    let (tilt, coverage) = (dome.tilt.to_degrees(), dome.coverage.to_degrees());
+    (tilt != 0.0 || coverage != 180.0).then(|| {
+        format!(
+            "{} has no place for the dome's tilt ({tilt:.2}°) and coverage ({coverage:.2}°): set them where it is read",
+            to.display()
+        )
+    })
 }
 
 /// Fails if one of the files exists and must not be replaced.

@@ -6,6 +6,7 @@ mod nodes;
 mod picture;
 
 use crate::failure::Failure;
+use crate::patience::patiently;
 use crate::planning::window_request;
 use cupola::correct;
 use cupola::rig::Favour;
@@ -45,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     }
     let request = window_request(&rig, arguments.size);
     let start = Instant::now();
-    let plan = correct::build(&rig, &request)?;
+    let plan = patiently("planning the views", || correct::build(&rig, &request))?;
     let seconds = start.elapsed().as_secs_f64();
     let figures = Figures::of(&rig, &request, &plan, seconds);
     if arguments.json {

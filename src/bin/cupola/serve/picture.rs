@@ -14,6 +14,9 @@ const QUALITY: u8 = 82;
 /// Shortest time between pictures, for all clients together. The page requests one when it has
 /// painted.
 const SHORTEST: Duration = Duration::from_millis(30);
+/// Time after a read in which the next frame was published for a client that is still there. After
+/// a longer one the frame that lies ready may be as old.
+const READY: Duration = Duration::from_millis(500);
 /// Interval at which the command looks for the program's file.
 const LOOK: Duration = Duration::from_millis(50);
 
@@ -79,6 +82,8 @@ pub struct Pictures {
     /// Sum of the frame numbers of earlier programs, so that numbers keep growing.
     before: u64,
     looked: Option<Instant>,
+    /// Time at which the last frame was read.
+    read: Option<Instant>,
     times: Times,
 }
 
@@ -113,6 +118,7 @@ impl Pictures {
             newest: None,
             before: 0,
             looked: None,
+            read: None,
             times: Times::default(),
         }
     }
@@ -144,9 +150,18 @@ impl Pictures {
             }
             std::thread::sleep(SHORTEST.saturating_sub(newest.made.elapsed()));
         }
+        // The program publishes a new frame when the last one is read.
+        let mut old = self.read.is_some_and(|read| read.elapsed() > READY);
+        let mut found = false;
         loop {
             let left = end.saturating_duration_since(Instant::now());
-            match self.read(left.min(LOOK)) {
+            let is_new = self.read(left.min(LOOK));
+            found |= is_new;
+            if is_new && old && !left.is_zero() {
+                old = false;
+                continue;
+            }
+            match is_new || found && left.is_zero() {
                 true => {
                     let small = Arc::new(self.small(side));
                     self.newest = Some(small.clone());
@@ -169,6 +184,7 @@ impl Pictures {
         reader.skip_to_newest();
         match reader.next(limit, &mut self.frame) {
             Ok(Next::Frame) => {
+                self.read = Some(Instant::now());
                 self.times.add(self.frame.index, self.frame.time);
                 self.note();
                 true
@@ -332,6 +348,23 @@ mod tests {
         assert!(next.number > small.number && (seen.frame_milliseconds() - 1000.0).abs() < 1e-9);
         assert_eq!(seen.size_of("left"), Some((200, 100)));
         drop(seen);
+        // After a while the frame that lies ready is old, and the one after it is taken.
+        publish(&mut writer, 4);
+        std::thread::sleep(READY + Duration::from_millis(100));
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                while !writer.is_awaited() {
+                    std::thread::yield_now();
+                }
+                publish(&mut writer, 9);
+            });
+            assert_eq!(pictures.next(next.number, 128, Duration::from_secs(20)).expect("a frame").index, 9);
+        });
+        // If none comes, the old one is shown.
+        publish(&mut writer, 10);
+        std::thread::sleep(READY + Duration::from_millis(100));
+        let next = pictures.next(next.number, 128, Duration::from_millis(60)).expect("a frame");
+        assert_eq!(next.index, 10);
         let (rgb, places) = pictures.composed(128);
         for (place, color) in places.iter().zip(colors) {
             for (x, y) in [(0, 0), (place.width / 2, place.height / 2), (place.width - 1, place.height - 1)] {

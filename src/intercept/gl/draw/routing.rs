@@ -119,10 +119,10 @@ fn perspective_or_flat(
     if class == DrawClass::Flat {
         let main = main_viewport(&ctx.app, &ctx.frame);
         let measure = match displayed::look(ctx, main) {
-            Shows::Pictures(sampled) => {
-                let why = Some("it shows images of the scene over the whole window");
+            Shows::Pictures(sampled, part) => {
+                let why = Some("it shows images of the scene in the window");
                 inspected::note(ctx, &Seen { class: DrawClass::Screen, sampled, why });
-                displayed::show(ctx, changes, sampled, issue);
+                displayed::show(ctx, changes, (sampled, part), issue);
                 return None;
             }
             Shows::Unknown(measure) => Some(measure),
@@ -231,6 +231,10 @@ fn flat(ctx: &mut Context, changes: Changes, measure: Option<Measure>, mut issue
     let mut repeats = Repeats::new(changes, &ctx.driver, &ctx.app, 0).counting(&ctx.share, &ctx.shaders);
     plain_program(ctx);
     let pictures = tiles.iter().flatten().count();
+    if let (Some(measure), Some((tile, _))) = (measure, tiles.iter().flatten().next()) {
+        own_window_space(ctx, *tile);
+        coverage::measure_borders(ctx, measure, *tile, |ctx| repeats.unchanged(gl, false, || issue(ctx, gl)));
+    }
     for (number, (tile, panel)) in tiles.iter().flatten().enumerate() {
         own_window_space(ctx, *tile);
         frag_coord::upload(&ctx.share, &ctx.driver, &ctx.draw, &ctx.shaders);

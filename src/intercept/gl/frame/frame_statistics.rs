@@ -95,6 +95,9 @@ fn add_counts(statistics: &mut Statistics, ctx: &Context, images: &[Image], draw
             statistics.lenses.push(lens);
         }
     }
+    if let Some(note) = ctx.frame.flat_note().filter(|note| !statistics.notes.iter().any(|known| known == note)) {
+        statistics.notes.push(note.to_owned());
+    }
     for (how, draws) in counts.found.iter() {
         *statistics.projection_found.entry(how.to_owned()).or_default() += draws;
     }

@@ -150,17 +150,20 @@ fn correct_now(ctx: &mut Context) {
 /// Number of failed corrections in a row after which Cupola leaves the window alone.
 const MOST_FAILED_CORRECTIONS: u32 = 2;
 
-/// Logs that a program draws everything flat, or that it leaves out objects beside its own picture.
+/// Logs that a program draws everything flat, that it leaves out objects beside its own picture, or
+/// that its window is too small.
 fn look_for_a_scene(ctx: &mut Context) {
-    let (mut flat_program, mut culling_program) = ctx.frame.program_checks();
+    let (mut flat_program, mut culling_program, mut small_window) = ctx.frame.take_program_checks();
     if let Some(session) = ctx.drawable.session() {
-        let (draws, has_scene) = (ctx.frame.counts().draws_seen, ctx.frame.shows_scene());
-        flat_program.look(draws, has_scene, session, || frame_statistics::off_screen(ctx));
+        let (counts, has_scene) = (ctx.frame.counts(), ctx.frame.shows_scene());
+        let (draws, missing) = (counts.draws_seen, counts.missing);
+        flat_program.look(draws, has_scene, session, &missing, || frame_statistics::off_screen(ctx));
     }
     if let Some(session) = ctx.drawable.session() {
         culling_program.look(ctx.frame.counts().places, ctx.frame.lens().as_ref(), session);
+        small_window.look(session);
     }
-    ctx.frame.put_program_checks(flat_program, culling_program);
+    ctx.frame.put_program_checks((flat_program, culling_program, small_window));
 }
 
 /// Corrects the frame, and stores statistics and captures. Returns false if the views are not

@@ -1,13 +1,18 @@
-//! Coverage of flat draws. A flat draw to the window that samples an image may fill the window:
-//! then it shows a scene. If it fills only a part, it is something like a map in a corner. A flat
-//! draw into an image may fill its viewport, like a background, or only a part, like a text. An
-//! occlusion query measures this once for each kind of draw.
+//! Coverage of flat draws. A flat draw to the window that samples an image may fill the window, or
+//! a large part of it between the widgets of a toolkit: then it shows a scene. If it fills only a
+//! small part, it is something like a map in a corner. A flat draw into an image may fill its
+//! viewport, like a background, or only a part, like a text.
+//!
+//! Occlusion queries measure this once for each kind of draw: first the number of samples, and if
+//! the draw fills a large part of the window, in the next frame its borders.
 
 use crate::backend::gl::driver::api;
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::per_view::window_space::own_window_space;
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::driver::Driver;
-use crate::intercept::gl::state::offscreen::coverage::{Kind, Measure, Signature, State};
+use crate::intercept::gl::state::offscreen::coverage::{Kind, Measure, Measured, Picture, Signature, State};
 use crate::intercept::gl::state::offscreen::images::Set;
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use crate::intercept::gl::state::queries::Queries;
@@ -15,24 +20,50 @@ use crate::intercept::gl::state::queries::Queries;
 /// Greatest number of kinds of draws. Of more the oldest are forgotten.
 const GREATEST: usize = 64;
 
-/// Returns whether the next draw fills the window. `Err`: not known yet, the draw must be measured.
-pub fn fills(ctx: &mut Context, sampled: Set) -> Result<bool, Measure> {
-    let Some(target) = ctx.drawable.target() else { return Ok(false) };
+/// Returns the part of the window that the next draw fills, if it is a large one. `Err`: not known
+/// yet, the draw must be measured.
+pub fn filled_part(ctx: &mut Context, sampled: Set) -> Result<Option<LowerLeftRect>, Measure> {
+    let Some(window) = window(&ctx.drawable) else { return Ok(None) };
+    match look_up(ctx, sampled, window) {
+        Answer::Part(part) => Ok(part),
+        Answer::Measure(measure) => Err(measure),
+        Answer::Later => Ok(None),
+        Answer::Never => Ok(assumed(&ctx.drawable, &ctx.view_copies, sampled).then(|| window.whole())),
+    }
+}
+
+/// Returns size and samples of the program's window.
+pub fn window(drawable: &Drawable) -> Option<Picture> {
+    let target = drawable.target()?;
     let (width, height) = target.size();
-    let all = i64::from(width) * i64::from(height) * i64::from(target.config().samples.max(1));
-    known(ctx, sampled, all, false).unwrap_or_else(|| Ok(assumed(&ctx.drawable, &ctx.view_copies, sampled)))
+    Some(Picture { size: [width as i32, height as i32], samples: target.config().samples.max(1).into() })
 }
 
 /// Returns whether the next draw, which samples no followed image, fills the program's viewport in
 /// a framebuffer with `samples` samples per pixel. `Err`: not known yet, the draw must be measured.
 pub fn fills_viewport(ctx: &mut Context, samples: i32) -> Result<bool, Measure> {
-    let [width, height] = ctx.app.viewport().size().map(i64::from);
-    known(ctx, 0, width * height * i64::from(samples.max(1)), true).unwrap_or(Ok(true))
+    let picture = Picture { size: ctx.app.viewport().size(), samples: samples.max(1).into() };
+    match look_up(ctx, 0, picture) {
+        Answer::Part(part) => Ok(part.is_some()),
+        Answer::Measure(measure) => Err(measure),
+        Answer::Later | Answer::Never => Ok(true),
+    }
 }
 
-/// Returns the known coverage of draws like the next one. `meanwhile`: answer until the result of
-/// the measurement is available. `None`: the coverage cannot be measured.
-fn known(ctx: &mut Context, sampled: Set, all: i64, meanwhile: bool) -> Option<Result<bool, Measure>> {
+/// What is known of the coverage of a draw.
+enum Answer {
+    /// The part of the picture that it fills.
+    Part(Option<LowerLeftRect>),
+    /// Nothing; the draw must be measured.
+    Measure(Measure),
+    /// Nothing; the results of the measurement are not available yet.
+    Later,
+    /// Nothing; it cannot be measured.
+    Never,
+}
+
+/// Returns what is known of the coverage of draws like the next one.
+fn look_up(ctx: &mut Context, sampled: Set, picture: Picture) -> Answer {
     let program = ctx.shaders.program().filter(|p| p.draws_vertices()).map_or(0, |p| p.name);
     let signature = Signature { program, sampled, viewport: ctx.app.viewport() };
     let kinds = &mut ctx.view_copies.coverage.0;
@@ -46,11 +77,21 @@ fn known(ctx: &mut Context, sampled: Set, all: i64, meanwhile: bool) -> Option<R
             kinds.len() - 1
         }
     };
+    let can_measure = || can_measure(&ctx.driver, &ctx.queries);
     match kinds[kind].state {
-        State::Known(fills) => Some(Ok(fills)),
-        State::Measured(..) => Some(Ok(meanwhile)),
-        State::New => can_measure(&ctx.driver, &ctx.queries).then_some(Err(Measure { kind, all })),
+        State::Known(part) => Answer::Part(part),
+        State::New if can_measure() => Answer::Measure(Measure { kind, what: Measured::Samples(picture) }),
+        State::New => Answer::Never,
+        State::Large(..) if can_measure() && !ctx.app.feedback() && !has_stencil_test(&ctx.driver) => {
+            Answer::Measure(Measure { kind, what: Measured::Borders })
+        }
+        State::Measured(..) | State::Large(..) | State::Crossed(..) => Answer::Later,
     }
+}
+
+/// True if repetitions of a draw might change the stencil buffer.
+fn has_stencil_test(driver: &Driver) -> bool {
+    driver.known_state.is_on(driver.gl, api::GL_STENCIL_TEST)
 }
 
 /// True if samples can be counted. OpenGL ES cannot count them, and a query of the program must not
@@ -86,8 +127,45 @@ fn assumed(drawable: &Drawable, view_copies: &ViewCopies, sampled: Set) -> bool 
     })
 }
 
-/// Issues the draw and measures it, with the program's own window space.
+/// Issues the draw and measures its samples, with the program's own window space.
 pub fn measure(ctx: &mut Context, what: Measure, issue: impl FnOnce(&mut Context)) {
+    let Measured::Samples(picture) = what.what else { return issue(ctx) };
+    let query = counted(ctx, issue);
+    set_state(ctx, what, State::Measured(query, picture), &[query]);
+}
+
+/// Measures the borders of a draw in `tile`, which shows the program's own window, if this is to be
+/// measured. `issue` issues the draw and restores what it changes.
+pub fn measure_borders(ctx: &mut Context, what: Measure, tile: LowerLeftRect, mut issue: impl FnMut(&mut Context)) {
+    let kind = ctx.view_copies.coverage.0.get(what.kind);
+    let (Measured::Borders, Some(State::Large(samples, picture))) = (what.what, kind.map(|kind| &kind.state)) else {
+        return;
+    };
+    let (gl, samples, picture) = (ctx.driver.gl, *samples, *picture);
+    let (mut depth, colours) = (0, ctx.driver.known_state.mask(gl));
+    // SAFETY: nothing is written; the masks are put back below.
+    unsafe {
+        gl.get_booleanv(api::GL_DEPTH_WRITEMASK, &mut depth);
+        gl.depth_mask(0);
+        gl.color_mask(0, 0, 0, 0);
+    }
+    let own = ctx.app.scissor_test().then(|| ctx.app.scissor().moved_into(tile));
+    let queries = picture.arms().map(|arm| {
+        let arm = arm.moved_into(tile);
+        ctx.set_scissor(Some(own.map_or(arm, |own| own.intersection(arm))));
+        counted(ctx, &mut issue)
+    });
+    // SAFETY: the program's masks.
+    unsafe {
+        gl.depth_mask(depth);
+        gl.color_mask(colours[0], colours[1], colours[2], colours[3]);
+    }
+    own_window_space(ctx, tile);
+    set_state(ctx, what, State::Crossed(queries, samples, picture), &queries);
+}
+
+/// Issues a draw and returns a query that counts its samples.
+fn counted(ctx: &mut Context, issue: impl FnOnce(&mut Context)) -> u32 {
     let gl = ctx.driver.gl;
     let mut query = 0;
     // SAFETY: a query of Cupola around the draw. `can_measure` made sure that no other query counts
@@ -99,9 +177,14 @@ pub fn measure(ctx: &mut Context, what: Measure, issue: impl FnOnce(&mut Context
     issue(ctx);
     // SAFETY: begun above.
     unsafe { gl.end_query(api::GL_SAMPLES_PASSED) };
+    query
+}
+
+/// Notes a measurement. If its kind was forgotten meanwhile, deletes the queries.
+fn set_state(ctx: &mut Context, what: Measure, state: State, queries: &[u32]) {
     match ctx.view_copies.coverage.0.get_mut(what.kind) {
-        Some(kind) => kind.state = State::Measured(query, what.all),
-        // SAFETY: an object of Cupola.
-        None => unsafe { gl.delete_queries(1, &query) },
+        Some(kind) => kind.state = state,
+        // SAFETY: objects of Cupola.
+        None => unsafe { ctx.driver.gl.delete_queries(queries.len() as i32, queries.as_ptr()) },
     }
 }

@@ -1,5 +1,6 @@
 //! Flat draws to the window that show a scene which was drawn off screen. Each view is filled with
-//! its own picture.
+//! its own picture. If the scene lies between the widgets of a toolkit, its rectangle of the window
+//! fills the views, and becomes a hole in the panel, which has the widgets.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::objects::framebuffers::FramebufferBindings;
@@ -18,6 +19,7 @@ use crate::intercept::gl::state::offscreen::displayed::Shows;
 use crate::intercept::gl::state::offscreen::images::Set;
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
+use crate::intercept::scene::viewport;
 use std::cell::Cell;
 
 /// Determines what a flat draw to the window shows. `main`: the draw has the main viewport.
@@ -32,39 +34,55 @@ pub fn look(ctx: &mut Context, main: bool) -> Shows {
     if sampled == 0 {
         return Shows::Nothing;
     }
-    let fills = if main { coverage::fills(ctx, sampled) } else { Ok(false) };
-    match fills {
+    let part = if main { coverage::filled_part(ctx, sampled) } else { Ok(None) };
+    match part {
         Err(measure) => Shows::Unknown(measure),
-        Ok(true) => {
+        Ok(Some(part)) if holds_whole_image(ctx, sampled, part) => {
             let mut any_copy = false;
             for (_, image) in ctx.view_copies.images.iter_mut().enumerate().filter(|(i, _)| sampled >> i & 1 != 0) {
                 ctx.view_copies.learnt |= !image.displayed;
                 image.displayed = true;
                 any_copy |= image.view_copy.is_some();
             }
-            if any_copy { Shows::Pictures(sampled) } else { Shows::Nothing }
+            if any_copy { Shows::Pictures(sampled, part) } else { Shows::Nothing }
         }
-        Ok(false) => {
+        Ok(_) => {
             // A small picture in the window shows the view of the program's own lens.
+            for (_, image) in ctx.view_copies.images.iter_mut().enumerate().filter(|(i, _)| sampled >> i & 1 != 0) {
+                image.shown_small = true;
+            }
             supply(ctx, sampled, own_tile(&ctx.drawable, &ctx.view_copies));
             Shows::Nothing
         }
     }
 }
 
-/// Issues a draw that shows the images in `sampled`.
-pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn FnMut(&mut Context, &Gl)) {
-    ctx.frame.note_scene();
-    // The draw covers all earlier flat drawing.
-    panel::clear_panel(ctx);
+/// True if `part` is the whole window, or has the shape of an image in `sampled`. Otherwise it may
+/// show only a part of the image.
+fn holds_whole_image(ctx: &Context, sampled: Set, part: LowerLeftRect) -> bool {
+    let size = (part.width.max(0) as u32, part.height.max(0) as u32);
+    let is_whole = ctx.drawable.target().is_some_and(|target| part.contains(LowerLeftRect::of_size(target.size())));
+    let mut images = ctx.view_copies.images.iter().enumerate().filter(|(i, _)| *i < 64 && sampled >> i & 1 != 0);
+    is_whole || images.any(|(_, image)| viewport::has_shape(image.size[0].into(), image.size[1].into(), size))
+}
+
+/// Issues a draw that shows the images in `sampled` in the rectangle `part` of the window.
+pub fn show(
+    ctx: &mut Context,
+    changes: Changes,
+    (sampled, part): (Set, LowerLeftRect),
+    issue: &mut dyn FnMut(&mut Context, &Gl),
+) {
+    note_shown(ctx, part);
     if in_turn::is_on(&ctx.drawable) {
         in_turn::show(ctx, changes, issue);
         return;
     }
     if make_canvases(&ctx.driver, &ctx.drawable, &mut ctx.view_copies) {
-        show_by_canvas(ctx, changes, sampled, issue);
+        show_by_canvas(ctx, changes, (sampled, part), issue);
         return;
     }
+    // Without canvases no part of the window is measured, so the draw fills the window.
     each_view(ctx, changes, views(&ctx.drawable), Views::ALL, issue, |ctx, view| {
         supply(ctx, sampled, view);
         if let Some(target) = ctx.drawable.target_mut() {
@@ -74,6 +92,19 @@ pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn F
         }
         DrawClass::Flat
     });
+}
+
+/// Notes that the rectangle `part` of the window gets a scene, which covers all earlier flat drawing
+/// there.
+pub fn note_shown(ctx: &mut Context, part: LowerLeftRect) {
+    let whole = ctx.drawable.target().is_none_or(|target| part.contains(LowerLeftRect::of_size(target.size())));
+    if whole {
+        ctx.frame.note_scene();
+        panel::clear_panel(ctx);
+    } else {
+        ctx.frame.note_scene_in_part();
+        panel::clear_part(ctx, part);
+    }
 }
 
 /// Makes the canvases at the first call. Returns false if there can be none: OpenGL ES cannot copy
@@ -102,13 +133,19 @@ fn canvas_format(driver: &Driver, drawable: &Drawable) -> u32 {
     }
 }
 
-fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn FnMut(&mut Context, &Gl)) {
+fn show_by_canvas(
+    ctx: &mut Context,
+    changes: Changes,
+    (sampled, part): (Set, LowerLeftRect),
+    issue: &mut dyn FnMut(&mut Context, &Gl),
+) {
     let Some(target) = ctx.drawable.target() else { return };
     let (window, samples, format) = (target.framebuffer(), target.config().samples, window_format(&ctx.drawable));
     let whole = LowerLeftRect::of_size(target.size());
     // True if the last draw to the window used the canvases too, so that they are up to date. This
     // draw is counted already.
-    let current = ctx.view_copies.displayed.current.is_some_and(|number| number + 1 == ctx.frame.counts().draws_seen);
+    let number = ctx.frame.counts().draws_seen;
+    let current = ctx.view_copies.displayed.current.is_some_and(|(last, of)| last + 1 == number && of == part);
     let view_now = Cell::new(0);
     // Copies between a canvas and a view's tile. The canvas remains bound for drawing.
     let copy = |ctx: &mut Context, view: usize, to_view: bool| {
@@ -117,7 +154,7 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
         };
         let (canvas, tile) = (canvas.framebuffer(), target.session.tile(view).0);
         let tile = End { corners: tile.corners(), samples, format };
-        let picture = End { corners: whole.corners(), samples: 0, format: canvas_format(&ctx.driver, &ctx.drawable) };
+        let picture = End { corners: part.corners(), samples: 0, format: canvas_format(&ctx.driver, &ctx.drawable) };
         let (from, to) =
             if to_view { ((canvas, picture), (window, tile)) } else { ((window, tile), (canvas, picture)) };
         // SAFETY: framebuffers of Cupola; the read binding is put back.
@@ -154,5 +191,5 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
     });
     // SAFETY: the stand-in framebuffer of the program's window.
     unsafe { ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, window) };
-    ctx.view_copies.displayed.current = Some(ctx.frame.counts().draws_seen);
+    ctx.view_copies.displayed.current = Some((number, part));
 }

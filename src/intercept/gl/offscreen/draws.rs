@@ -191,14 +191,25 @@ fn place(ctx: &mut Context, index: usize) -> FlatPlacement {
     if ctx.app.scissor_test() && !ctx.app.scissor().contains(ctx.app.viewport()) {
         return FlatPlacement::of(DrawClass::Flat);
     }
+    let part = shown_at(ctx, index);
     let (class, measure, fills) = match coverage::fills_viewport(ctx, samples) {
         Err(measure) => (DrawClass::Flat, Some(measure), false),
-        Ok(false) if background::prepare(&ctx.drawable, &mut ctx.frame, &ctx.compat, PanelPart::default()) => {
+        Ok(false) if background::prepare(&ctx.drawable, &mut ctx.frame, &ctx.compat, part) => {
             (DrawClass::Behind, None, false)
         }
         Ok(fills) => (DrawClass::Flat, None, fills),
     };
     FlatPlacement { class, measure, fills }
+}
+
+/// Returns the part of the panel that corresponds to the framebuffer at `index`.
+fn shown_at(ctx: &Context, index: usize) -> PanelPart {
+    let image = ctx.view_copies.framebuffers[index].images().next().and_then(|name| ctx.view_copies.image(name));
+    let part = image.and_then(|image| ViewCopies::part_of(image.size, &ctx.view_copies.parts));
+    match (part, ctx.session().map(Session::window)) {
+        (Some(part), Some((width, height))) => PanelPart::of(part, [width as i32, height as i32]),
+        _ => PanelPart::default(),
+    }
 }
 
 /// Makes sure that the sampled images have the last view's content afterwards, whether the draw
@@ -254,9 +265,10 @@ fn note(
 ) {
     let Some(window) = drawable.session().map(Session::window) else { return };
     let [width, height] = app.viewport().size();
-    let alike =
-        duplicate_mode() == Duplicate::Always || viewport::has_shape_of_window(width.into(), height.into(), window);
-    let ViewCopies { framebuffers, images, learnt, .. } = view_copies;
+    let ViewCopies { framebuffers, images, learnt, parts, .. } = view_copies;
+    let alike = duplicate_mode() == Duplicate::Always
+        || viewport::has_shape_of_window(width.into(), height.into(), window)
+        || ViewCopies::part_of([width, height], parts).is_some();
     if class == DrawClass::Flat && sampled == 0 {
         return;
     }

@@ -29,7 +29,8 @@ pub fn status(drawable: &Drawable, images: &[Image], framebuffers: &[Framebuffer
 
 /// Returns how the program draws to `framebuffers`.
 pub fn off_screen(drawable: &Drawable, images: &[Image], framebuffers: &[Framebuffer]) -> OffScreen {
-    let holds_scene = |framebuffer: &&Framebuffer| any_colour(images, framebuffer, |image| image.scene);
+    let is_scene = |image: &Image| image.scene || image.other_shape && image.shown_small;
+    let holds_scene = |framebuffer: &&Framebuffer| any_colour(images, framebuffer, is_scene);
     match framebuffers.iter().find(holds_scene) {
         Some(framebuffer) => OffScreen::Scene(reason(drawable, images, framebuffer)),
         None if framebuffers.is_empty() => OffScreen::Nothing,
@@ -62,6 +63,8 @@ fn obstacle(drawable: &Drawable, images: &[Image], framebuffer: &Framebuffer) ->
         "the driver cannot make copies of it"
     } else if any(|image| image.lost) {
         "it is read or written by compute shaders that cannot be followed"
+    } else if any(|image| image.shown_small && !image.displayed && (image.scene || image.other_shape)) {
+        "it is shown in less than half of the window: make it larger, or close what is beside it"
     } else if any(|image| image.other_shape && !image.scene) {
         "its picture has another shape than the window, as a shadow map or a mirror"
     } else if !any(|image| image.scene || !image.reads.is_empty()) {

@@ -20,6 +20,7 @@ use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::offscreen::displayed::Shows;
+use crate::intercept::gl::state::offscreen::images::Set;
 use crate::intercept::scene::query_scaling::QueryScaling;
 use crate::intercept::scene::viewport;
 use crate::runtime::Session;
@@ -52,7 +53,7 @@ pub fn draw(ctx: &mut Context, changes: Changes, draw: &mut dyn FnMut(&mut Conte
 /// Determines what a flat draw to the window shows. `main`: the draw has the main viewport.
 pub fn look_at_window(ctx: &mut Context, main: bool) -> Shows {
     if main && upload::holds_inverse(ctx) {
-        return Shows::Pictures(0);
+        return whole(ctx, 0);
     }
     let sampled = if main { sampling::sampled(&ctx.driver, &ctx.shaders, &ctx.view_copies) } else { 0 };
     if !main || (sampled == 0 && !ctx.frame.scene_off_screen()) {
@@ -61,9 +62,14 @@ pub fn look_at_window(ctx: &mut Context, main: bool) -> Shows {
     let samples = ctx.drawable.target().map_or(0, |target| target.config().samples);
     match coverage::fills_viewport(ctx, samples) {
         Err(measure) => Shows::Unknown(measure),
-        Ok(true) => Shows::Pictures(sampled),
+        Ok(true) => whole(ctx, sampled),
         Ok(false) => Shows::Nothing,
     }
+}
+
+/// The draw shows images in the whole window.
+fn whole(ctx: &Context, sampled: Set) -> Shows {
+    coverage::window(&ctx.drawable).map_or(Shows::Nothing, |window| Shows::Pictures(sampled, window.whole()))
 }
 
 /// Issues a draw to the window that shows a scene which was drawn off screen.

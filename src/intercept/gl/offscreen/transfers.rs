@@ -39,9 +39,10 @@ pub fn blit(ctx: &mut Context, source: BlitRect, destination: BlitRect, mask: u3
         return false;
     }
     view_copies::look_at_read(&mut ctx.driver, &ctx.app, &mut ctx.view_copies);
-    note_blit(ctx, destination, mask);
+    note_blit(ctx, source, destination, mask);
     let (from, to) = (read_side(ctx), draw_side(ctx));
-    let fills = to != Side::Window || fills_window(&ctx.drawable, destination);
+    let part = shown_part(ctx, source, destination).filter(|_| to == Side::Window);
+    let fills = to != Side::Window || part.is_some();
     match (from, to) {
         (Side::Single, Side::Single | Side::Window) | (Side::Window, Side::Window | Side::Single) => false,
         (Side::ViewCopies(index), to) if to == Side::Single || !fills => {
@@ -50,10 +51,42 @@ pub fn blit(ctx: &mut Context, source: BlitRect, destination: BlitRect, mask: u3
             false
         }
         _ => {
+            // The part of the window becomes all of each view.
+            let destination = part.map_or(destination, |part| spread(&ctx.drawable, part, destination));
             copy_views(ctx, (from, source), (to, destination), mask, filter);
             true
         }
     }
+}
+
+/// Returns the part of the window that a copy of the program fills with a whole image, if it is more
+/// than half of the window. A copy to nearly all of the window fills all of it.
+pub fn shown_part(ctx: &Context, source: BlitRect, destination: BlitRect) -> Option<LowerLeftRect> {
+    let size = ctx.drawable.target()?.size();
+    let window = LowerLeftRect::of_size(size);
+    if fills_window(&ctx.drawable, destination) {
+        return Some(window);
+    }
+    let image = colours_of_read(&ctx.app, &ctx.view_copies).into_iter().flatten().next()?;
+    let [width, height] = ctx.view_copies.image(image)?.size;
+    let part = destination.unmirrored();
+    let whole = source.unmirrored() == LowerLeftRect::new(0, 0, width, height);
+    (whole && window.contains(part) && part.is_most_of(size)).then_some(part)
+}
+
+/// Returns the destination of a copy to `part` of the window, spread to the whole window.
+fn spread(drawable: &Drawable, part: LowerLeftRect, destination: BlitRect) -> BlitRect {
+    let Some(window) = drawable.target().map(|target| LowerLeftRect::of_size(target.size())) else {
+        return destination;
+    };
+    if part == window {
+        return destination;
+    }
+    let BlitRect { start, end } = window.corners();
+    let ends =
+        |i: usize| if destination.start[i] > destination.end[i] { [end[i], start[i]] } else { [start[i], end[i]] };
+    let [[x0, x1], [y0, y1]] = [ends(0), ends(1)];
+    BlitRect::new(x0, y0, x1, y1)
 }
 
 /// True if a copy covers all, or nearly all, of the window.
@@ -90,19 +123,19 @@ fn draw_side(ctx: &mut Context) -> Side {
 }
 
 /// Notes what a copy reveals about images.
-fn note_blit(ctx: &mut Context, destination: BlitRect, mask: u32) {
+fn note_blit(ctx: &mut Context, source: BlitRect, destination: BlitRect, mask: u32) {
     if mask & api::GL_COLOR_BUFFER_BIT == 0 {
         return;
     }
     let sources = colours_of_read(&ctx.app, &ctx.view_copies);
     if ctx.redirected() {
-        if fills_window(&ctx.drawable, destination) {
-            for name in sources.into_iter().flatten() {
-                let Some(image) = ctx.view_copies.image_mut(name) else { continue };
-                let new = !std::mem::replace(&mut image.displayed, true);
-                ctx.view_copies.learnt |= new;
-            }
+        let Some(part) = shown_part(ctx, source, destination) else { return };
+        for name in sources.into_iter().flatten() {
+            let Some(image) = ctx.view_copies.image_mut(name) else { continue };
+            let new = !std::mem::replace(&mut image.displayed, true);
+            ctx.view_copies.learnt |= new;
         }
+        ctx.view_copies.note_part(part);
         return;
     }
     let from_window = ctx.reads_redirected() && window_has_scene(&ctx.frame, &ctx.view_copies);

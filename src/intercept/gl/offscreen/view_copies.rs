@@ -68,6 +68,7 @@ pub fn collect(ctx: &mut Context) {
     let stale = own.deleted != taken.deleted;
     (own.images, own.learnt, own.own_picture) = (taken.images, taken.learnt, taken.own_picture);
     (own.deleted, own.issued) = (taken.deleted, taken.issued);
+    own.parts = taken.parts;
     own.left.extend(taken.left);
     let (gl, id) = (ctx.driver.gl, ctx.driver.id);
     ctx.view_copies.left.retain(|pair| {
@@ -76,6 +77,8 @@ pub fn collect(ctx: &mut Context) {
         }
         pair.context != id
     });
+    // A context that draws to no window ends no frames.
+    take_measurements(ctx);
     if stale {
         leave(ctx);
         ctx.view_copies.coverage.clear(gl);
@@ -155,6 +158,7 @@ pub fn clear(ctx: &mut Context) {
         destroy_view_copy(&mut image, gl, ctx.driver.id, left, deleted);
     }
     ctx.view_copies.coverage.clear(gl);
+    ctx.view_copies.parts.clear();
     for converter in std::mem::take(&mut ctx.view_copies.depth_converters) {
         converter.destroy(ctx.driver.gl);
     }
@@ -164,15 +168,23 @@ pub fn clear(ctx: &mut Context) {
     std::mem::take(&mut ctx.view_copies.displayed).destroy(gl);
 }
 
-/// Ends a frame. Images that were seen to lie between a scene and the window get view copies.
-pub fn end_frame(ctx: &mut Context) {
+/// Takes over the results of measurements that have ended.
+fn take_measurements(ctx: &mut Context) {
     let gl = ctx.driver.gl;
+    let mut parts = Vec::new();
     let ViewCopies { coverage, images, learnt, .. } = &mut ctx.view_copies;
-    *learnt |= coverage.end_frame(gl, |set| {
+    *learnt |= coverage.take_results(gl, |set, part| {
+        parts.extend((set != 0).then_some(part));
         for image in images.iter_mut().enumerate().take(64).filter(|(i, _)| set >> i & 1 != 0).map(|(_, image)| image) {
             image.displayed = true;
         }
     });
+    parts.into_iter().for_each(|part| ctx.view_copies.note_part(part));
+}
+
+/// Ends a frame. Images that were seen to lie between a scene and the window get view copies.
+pub fn end_frame(ctx: &mut Context) {
+    take_measurements(ctx);
     if !std::mem::take(&mut ctx.view_copies.learnt) || !possible(&ctx.drawable) {
         return;
     }

@@ -9,12 +9,29 @@ use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::frame::Frame;
 use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::programs::ProgramLens;
+use crate::intercept::scene::flat_program::MissingLens;
 use crate::intercept::scene::viewport;
+use crate::lock::Lock;
 use crate::runtime::session::MatrixClass;
 
 /// Returns the class of a draw with the present state.
 pub fn classify(ctx: &mut Context) -> DrawClass {
-    if main_viewport(&ctx.app, &ctx.frame) { classify_by_projection(ctx) } else { DrawClass::Flat }
+    let main = main_viewport(&ctx.app, &ctx.frame);
+    let class = if main { classify_by_projection(ctx) } else { DrawClass::Flat };
+    if class == DrawClass::Flat {
+        let reason = if main { missing_lens(&ctx.shaders) } else { MissingLens::PartOfWindow };
+        ctx.frame.note_missing_lens(reason);
+    }
+    class
+}
+
+/// Returns the reason why a flat draw has no lens.
+fn missing_lens(shaders: &Shaders) -> MissingLens {
+    match shaders.program().filter(|program| program.draws_vertices()) {
+        Some(program) if !program.attribute_matrices.locked().is_empty() => MissingLens::Attribute,
+        Some(program) if !program.uniforms.locked().any() => MissingLens::NoMatrix,
+        _ => MissingLens::NoPerspective,
+    }
 }
 
 /// True if the primitives of a draw may go to different viewports.

@@ -43,6 +43,14 @@ pub fn clear_panel(ctx: &mut Context) {
     }
 }
 
+/// Clears a rectangle of the program's window on the panel to transparent.
+pub fn clear_part(ctx: &mut Context, part: LowerLeftRect) {
+    if let Some(panel) = ctx.drawable.target().and_then(|t| t.panel()) {
+        ctx.set_scissor(Some(part.moved_into(panel)));
+        clear_transparent(ctx.driver.gl, &ctx.driver.known_state);
+    }
+}
+
 /// Clears the bound framebuffer's colour within the scissor to transparent black.
 pub fn clear_transparent(gl: &Gl, known: &KnownState) {
     let mask = known.mask(gl);

@@ -1,5 +1,5 @@
-//! Commands that set uniforms or ask for their values. They cannot reach Cupola's own uniforms: OpenGL refuses the location
-//! of one as it does without Cupola, where no uniform has it.
+//! Commands that set uniforms or ask for their values. They cannot reach Cupola's own uniforms:
+//! OpenGL refuses the location of one as it does without Cupola, where no uniform has it.
 //!
 //! Commands that set what may be a matrix are in [`uniform_commands`].
 //!

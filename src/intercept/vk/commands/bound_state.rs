@@ -4,7 +4,7 @@ use crate::intercept::vk::offscreen::images::note_window;
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::images::scene_graph::Made;
-use crate::intercept::vk::state::recording::bindings::{BoundSet, PUSH_BYTES};
+use crate::intercept::vk::state::recording::bindings::{BoundSet, BoundVertices, PUSH_BYTES};
 use ash::vk;
 
 hooks! {
@@ -106,6 +106,26 @@ hooks! {
             state.recordings.with(buffer, |recording| recording.graphics.scissor = Some(*scissor));
         }
         next(buffer, count, scissors)
+    } }
+    cmd_bind_vertex_buffers = (
+        buffer: vk::CommandBuffer, first: u32, count: u32, buffers: *const vk::Buffer, offsets: *const vk::DeviceSize
+    ) { |state, next| {
+        let bound = slice(buffers, count).iter().zip(slice(offsets, count));
+        let bound = bound.map(|(buffer, offset)| BoundVertices { buffer: *buffer, offset: *offset, stride: None });
+        state.recordings.with(buffer, |recording| recording.graphics.bind_vertices(first, bound));
+        next(buffer, first, count, buffers, offsets)
+    } }
+    cmd_bind_vertex_buffers2 = (
+        buffer: vk::CommandBuffer, first: u32, count: u32, buffers: *const vk::Buffer, offsets: *const vk::DeviceSize,
+        sizes: *const vk::DeviceSize, strides: *const vk::DeviceSize
+    ) { |state, next| {
+        let strides_given = if strides.is_null() { &[][..] } else { slice(strides, count) };
+        let bound = slice(buffers, count).iter().zip(slice(offsets, count)).enumerate();
+        let bound = bound.map(|(index, (buffer, offset))| {
+            BoundVertices { buffer: *buffer, offset: *offset, stride: strides_given.get(index).copied() }
+        });
+        state.recordings.with(buffer, |recording| recording.graphics.bind_vertices(first, bound));
+        next(buffer, first, count, buffers, offsets, sizes, strides)
     } }
     cmd_bind_shaders = (
         buffer: vk::CommandBuffer, count: u32, stages: *const vk::ShaderStageFlags, shaders: *const vk::ShaderEXT

@@ -39,7 +39,7 @@ const MARKS: &str = "
 /// Inputs of draws that are the same for all views.
 const INPUTS: &str = "
     BindDescriptorBufferEmbeddedSamplers2EXT BindDescriptorBufferEmbeddedSamplersEXT BindIndexBuffer
-    BindIndexBuffer2KHR BindTransformFeedbackBuffersEXT BindVertexBuffers BindVertexBuffers2 BindVertexBuffers2EXT
+    BindIndexBuffer2KHR BindTransformFeedbackBuffersEXT
 ";
 
 /// Work that draws nothing: compute, ray tracing, video, and work on memory and its own structures.

@@ -33,6 +33,10 @@ pub unsafe extern "system" fn create(
                 get_instance_proc_addr: next,
                 functions: ash::Instance::load_with(find, made),
                 surface: ash::khr::surface::InstanceFn::load(find),
+                surface2: ash::khr::get_surface_capabilities2::InstanceFn::load(find),
+                xlib: ash::khr::xlib_surface::InstanceFn::load(find),
+                xcb: ash::khr::xcb_surface::InstanceFn::load(find),
+                surfaces: Default::default(),
             };
             let key = dispatch_key(vk::Handle::as_raw(made));
             let mut instances = INSTANCES.writing();

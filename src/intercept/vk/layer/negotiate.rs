@@ -4,6 +4,7 @@
 use crate::intercept::vk::layer::{device, instance, table};
 use crate::intercept::vk::state::device as devices;
 use crate::intercept::vk::state::driver::instance as instances;
+use crate::intercept::vk::swapchain::surfaces;
 use ash::vk;
 use std::ffi::{CStr, c_void};
 
@@ -50,7 +51,10 @@ fn own(name: &CStr) -> vk::PFN_vkVoidFunction {
         b"vkCreateInstance" => instance::create as *const (),
         b"vkDestroyInstance" => instance::destroy as *const (),
         b"vkCreateDevice" => device::create as *const (),
-        _ => return own_of_device(name),
+        _ => match surfaces::find(name) {
+            Some(address) => address,
+            None => return own_of_device(name),
+        },
     };
     // SAFETY: the address of a function; the caller knows its signature.
     Some(unsafe { std::mem::transmute::<*const (), unsafe extern "system" fn()>(address) })

@@ -79,6 +79,6 @@ mod tests {
     /// number.
     #[test]
     fn the_number_of_hooked_functions_is_known() {
-        assert_eq!(table().len(), 172);
+        assert_eq!(table().len(), 178);
     }
 }

@@ -93,6 +93,7 @@ pub fn note_draw(
     device: &Device,
     recording: &mut Recording,
     matrices: &[crate::intercept::vk::spirv::Matrix],
+    first_instance: u32,
     cover: Cover,
 ) {
     let Some(targets) = recording.plain.clone() else { return };
@@ -108,7 +109,8 @@ pub fn note_draw(
     if !cover.main_picture || targets.is_empty() {
         return;
     }
-    let sources: Vec<MatrixSource> = matrices.iter().filter_map(|matrix| source(device, recording, matrix)).collect();
+    let of_draw = |matrix| source(device, recording, matrix, first_instance);
+    let sources: Vec<MatrixSource> = matrices.iter().filter_map(of_draw).collect();
     recording.suspect(targets, sources);
 }
 

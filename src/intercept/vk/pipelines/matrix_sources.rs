@@ -1,28 +1,40 @@
 //! Matrices that shaders read: their locations and values.
 
+use crate::intercept::scene::flat_program::MissingLens;
 use crate::intercept::scene::lens;
-use crate::intercept::vk::spirv::{Matrix, Memory};
+use crate::intercept::vk::spirv::{self, Matrix, Memory};
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::recording::Recording;
+use crate::intercept::vk::state::pipelines::InstanceColumn;
+use crate::intercept::vk::state::pipelines::stages::words_of;
 use crate::intercept::vk::state::recording::bindings::BoundSet;
 use crate::intercept::vk::state::recording::draw_groups::{MatrixSource, MatrixValue};
+use crate::intercept::vk::state::recording::{GraphicsState, Recording};
+use ash::vk;
 
 /// Reads a matrix from memory.
 pub fn matrix(device: &Device, source: &MatrixSource) -> Option<[f64; 16]> {
     let raw = match source.value {
         MatrixValue::Known(raw) => raw,
-        MatrixValue::Buffer(buffer, offset) => {
-            let stride = source.matrix.stride as usize;
-            let mut bytes = [0; 256];
-            let bytes = bytes.get_mut(..3 * stride + 16)?;
-            if !device.host_memory.read(buffer, offset, bytes) {
+        MatrixValue::Buffer(buffer, offset) => from_buffer(device, buffer, offset, source.matrix.stride)?,
+        MatrixValue::AtAddress(buffer, at, offset) => {
+            let mut address = [0; 8];
+            if !device.host_memory.read(buffer, at, &mut address) {
                 return None;
             }
-            from_bytes(bytes, stride)?
+            let (buffer, start) = device.host_memory.at_address(u64::from_ne_bytes(address))?;
+            from_buffer(device, buffer, start.checked_add(offset)?, source.matrix.stride)?
         }
     };
     let value = raw.map(f64::from);
     Some(if source.matrix.row_major { lens::transposed(&value) } else { value })
+}
+
+/// Reads a matrix from a buffer.
+fn from_buffer(device: &Device, buffer: vk::Buffer, offset: u64, stride: u32) -> Option<[f32; 16]> {
+    let stride = stride as usize;
+    let mut bytes = [0; 256];
+    let bytes = bytes.get_mut(..3 * stride + 16)?;
+    device.host_memory.read(buffer, offset, bytes).then(|| from_bytes(bytes, stride))?
 }
 
 /// Reads sixteen floats in four groups of four, with a distance of `stride` bytes between the
@@ -36,8 +48,45 @@ pub fn from_bytes(bytes: &[u8], stride: usize) -> Option<[f32; 16]> {
     Some(raw)
 }
 
-/// Returns the location of a shader's matrix, in the descriptors and push constants that are bound.
-pub fn source(device: &Device, recording: &Recording, matrix: &Matrix) -> Option<MatrixSource> {
+/// Returns the matrices that the stages before rasterisation read, and the reason why there is no
+/// lens if there are none. Attributes count if no other matrix makes the position.
+///
+/// # Safety
+/// `stages` must be the program's.
+pub unsafe fn before_rasterisation(
+    device: &Device,
+    stages: &[vk::PipelineShaderStageCreateInfo<'_>],
+) -> (Vec<Matrix>, MissingLens) {
+    let before = || stages.iter().filter(|stage| stage.stage != vk::ShaderStageFlags::FRAGMENT);
+    // The bits of the stages are in the order of the stages.
+    let last = before().map(|stage| stage.stage).max();
+    let (mut matrices, mut attributes) = (Vec::new(), Vec::new());
+    let mut missing = MissingLens::default();
+    for stage in before() {
+        let of_position = Some(stage.stage) == last;
+        // SAFETY: as promised.
+        let Some(words) = (unsafe { words_of(device, stage) }) else { continue };
+        matrices.extend(spirv::matrices(&words, of_position));
+        if stage.stage == vk::ShaderStageFlags::VERTEX {
+            attributes.extend(spirv::attribute_matrices(&words, of_position));
+        }
+        if matrices.is_empty() && attributes.is_empty() {
+            missing = missing.max(spirv::missing_lens(&words));
+        }
+    }
+    if matrices.is_empty() && !attributes.is_empty() {
+        device.host_memory.keep_vertices();
+        return (attributes, MissingLens::Attribute);
+    }
+    (matrices, missing)
+}
+
+/// Returns the location of a shader's matrix, in the descriptors, push constants and vertex buffers
+/// that are bound. `first_instance`: of a draw with the bound pipeline.
+pub fn source(device: &Device, recording: &Recording, matrix: &Matrix, first_instance: u32) -> Option<MatrixSource> {
+    if let Memory::Attribute { location } = matrix.memory {
+        return of_instance(&recording.graphics, matrix, location, first_instance);
+    }
     let bound = |set: u32| recording.graphics.bound.get(set as usize)?.as_ref();
     source_of(device, &recording.graphics.push, bound, matrix)
 }
@@ -54,6 +103,16 @@ fn source_of<'a>(
     matrix: &Matrix,
 ) -> Option<MatrixSource> {
     let value = match matrix.memory {
+        Memory::Attribute { .. } => return None,
+        Memory::PushedAddress { at } => {
+            let address = push.get(at as usize..at as usize + 8)?.try_into().ok()?;
+            let (buffer, start) = device.host_memory.at_address(u64::from_ne_bytes(address))?;
+            MatrixValue::Buffer(buffer, start + u64::from(matrix.offset))
+        }
+        Memory::AddressInBuffer { set, binding, at } => {
+            let (buffer, offset) = bound(set)?.buffer(&device.descriptors, binding)?;
+            MatrixValue::AtAddress(buffer, offset + u64::from(at), matrix.offset.into())
+        }
         Memory::Push => MatrixValue::Known(from_bytes(push.get(matrix.offset as usize..)?, matrix.stride as usize)?),
         Memory::Buffer { set, binding } => {
             let bound = bound(set)?;
@@ -62,6 +121,24 @@ fn source_of<'a>(
         }
     };
     Some(MatrixSource { matrix: *matrix, value })
+}
+
+/// Returns the location of a matrix whose columns are attributes of the first instance; `None` if
+/// the columns are not in one buffer, equally far from each other.
+fn of_instance(graphics: &GraphicsState, matrix: &Matrix, location: u32, first: u32) -> Option<MatrixSource> {
+    let pipeline = graphics.pipeline.as_ref()?;
+    let column = |number: u32| pipeline.columns.iter().find(|c| Some(c.location) == location.checked_add(number));
+    let columns = [column(0)?, column(1)?, column(2)?, column(3)?];
+    let distance = columns[1].offset.checked_sub(columns[0].offset)?;
+    let follow = |pair: &[&InstanceColumn]| {
+        pair[0].binding == pair[1].binding && pair[0].offset.checked_add(distance) == Some(pair[1].offset)
+    };
+    let bound = (*graphics.vertices.get(columns[0].binding as usize)?)?;
+    let instances = bound.stride.unwrap_or(columns[0].stride.into()).checked_mul(first.into())?;
+    let offset = bound.offset.checked_add(instances)?.checked_add(columns[0].offset.into())?;
+    let matrix = Matrix { stride: distance, ..*matrix };
+    let value = MatrixValue::Buffer(bound.buffer, offset);
+    columns.windows(2).all(follow).then_some(MatrixSource { matrix, value })
 }
 
 #[cfg(test)]

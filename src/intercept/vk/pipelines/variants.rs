@@ -3,7 +3,7 @@
 
 use crate::intercept::process::log;
 use crate::intercept::scene::obstacle::Obstacle;
-use crate::intercept::vk::pipelines::view_stages;
+use crate::intercept::vk::pipelines::{matrix_sources, view_stages};
 use crate::intercept::vk::projected_vertices;
 use crate::intercept::vk::spirv;
 use crate::intercept::vk::state::device::Device;
@@ -30,6 +30,7 @@ pub fn pipeline(device: &Device, own: vk::Pipeline, parts: &Parts<'_>, variants:
         variants,
         viewport: parts.viewport().or_else(|| linked.iter().find_map(|library| library.viewport)),
         scissor: parts.scissor().or_else(|| linked.iter().find_map(|library| library.scissor)),
+        columns: parts.columns().into_iter().chain(linked.iter().flat_map(|l| l.columns.iter().copied())).collect(),
         without_attributes: parts.attributes() == Some(0) || linked.iter().any(|library| library.without_attributes),
     }
 }
@@ -86,8 +87,12 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
     let mut divided = None;
     // SAFETY: as promised; shader modules of Cupola are destroyed after the pipelines are made.
     unsafe {
-        made.matrices.extend(matrices_before_rasterisation(device, &stages));
-        made.matrices.sort_by_key(|matrix| matrix.rank);
+        if parts.places_vertices() {
+            let (matrices, missing) = matrix_sources::before_rasterisation(device, &stages);
+            made.matrices.extend(matrices);
+            made.matrices.sort_by_key(|matrix| matrix.rank);
+            made.missing_lens = missing;
+        }
         let vertex_words = match &layout {
             Some(layout) => change_stages(device, &mut stages, &mut modules, layout.ours, &mut made)?,
             None => None,
@@ -134,6 +139,7 @@ fn inherited(parts: &Parts<'_>, linked: &[Arc<Pipeline>]) -> Variants {
         panel: vk::Pipeline::null(),
         follows: libraries().any(|library| library.follows),
         matrices: libraries().flat_map(|library| library.matrices.iter().copied()).collect(),
+        missing_lens: libraries().map(|library| library.missing_lens).max().unwrap_or_default(),
         moves_place: libraries().any(|library| library.moves_place),
         loses_place: libraries().any(|library| library.loses_place),
         pictures: libraries().flat_map(|library| library.pictures.iter().copied()).collect(),
@@ -142,27 +148,6 @@ fn inherited(parts: &Parts<'_>, linked: &[Arc<Pipeline>]) -> Variants {
             || parts.depth.is_some_and(|state| state.depth_test_enable == vk::TRUE)
             || libraries().any(|library| library.deep),
     }
-}
-
-/// Returns the matrices that the stages before rasterisation read.
-///
-/// # Safety
-/// `stages` must be the program's.
-unsafe fn matrices_before_rasterisation(
-    device: &Device,
-    stages: &[vk::PipelineShaderStageCreateInfo<'_>],
-) -> Vec<spirv::Matrix> {
-    let before = || stages.iter().filter(|stage| stage.stage != vk::ShaderStageFlags::FRAGMENT);
-    // The bits of the stages are in the order of the stages.
-    let last = before().map(|stage| stage.stage).max();
-    let mut matrices = Vec::new();
-    for stage in before() {
-        let of_position = Some(stage.stage) == last;
-        // SAFETY: as promised.
-        let words = unsafe { words_of(device, stage) };
-        matrices.extend(words.iter().flat_map(|words| spirv::matrices(words, of_position)));
-    }
-    matrices
 }
 
 /// Changes the fragment stage for views, and also the vertex stage if no matrix makes positions.

@@ -19,6 +19,8 @@ pub struct PositionLoads {
     /// Elements of arrays that are loaded by a constant index. The value is true if the element is
     /// only used in scalar products.
     elements: HashMap<Member, BTreeMap<u32, bool>>,
+    /// All ids that may flow into the position.
+    ids: HashSet<u32>,
 }
 
 impl PositionLoads {
@@ -26,6 +28,11 @@ impl PositionLoads {
     /// elements of an array count as one.
     pub fn contain(&self, variable: u32, path: &[u32]) -> bool {
         self.members.iter().any(|(of, loaded)| *of == variable && loaded.iter().zip(path).all(|(a, b)| a == b))
+    }
+
+    /// True if the value with this id, or of this variable, may flow into the position.
+    pub fn reach(&self, id: u32) -> bool {
+        self.ids.contains(&id)
     }
 
     /// Returns the groups of four consecutive loaded elements of an array, by the index of the
@@ -44,7 +51,8 @@ impl PositionLoads {
     pub fn of(all: &[Instruction<'_>], declared: &Declarations<'_>) -> Option<Self> {
         let open = positions(all, declared);
         let (into, chains, products) = (HashMap::new(), HashMap::new(), products(all));
-        let mut flow = Flow { declared, into, chains, products, open };
+        let pointers = pointers(all, declared);
+        let mut flow = Flow { declared, into, chains, products, pointers, open };
         if flow.open.is_empty() {
             return None;
         }
@@ -90,6 +98,13 @@ fn products(all: &[Instruction<'_>]) -> HashSet<u32> {
     &products - &others
 }
 
+/// Returns the ids of addresses of buffers that a shader loads, and the types of what they point at.
+fn pointers(all: &[Instruction<'_>], declared: &Declarations<'_>) -> HashMap<u32, u32> {
+    let made = |i: &&Instruction<'_>| i.is(Op::Load) || i.is(Op::ConvertUToPtr) || i.is(Op::Bitcast);
+    let pointer = |i: &Instruction<'_>| Some((i.operand(1), declared.address(i.operand(0))?));
+    all.iter().skip_while(|i| !i.is(Op::Function)).filter(made).filter_map(pointer).collect()
+}
+
 /// Greatest number of indices of an access chain, as for all of SPIR-V.
 const MOST_INDICES: usize = 255;
 
@@ -101,6 +116,8 @@ struct Flow<'a> {
     chains: HashMap<u32, (u32, Vec<u32>)>,
     /// Pointers whose values are used only in scalar products.
     products: HashSet<u32>,
+    /// Addresses in the shader, as ids of their values, and the types of what they point at.
+    pointers: HashMap<u32, u32>,
     /// Ids that flow into the position and are not followed yet.
     open: Vec<u32>,
 }
@@ -207,12 +224,16 @@ impl Flow<'_> {
                 continue;
             }
             let (root, path) = self.root(id);
+            if let Some(kind) = self.pointers.get(&root).filter(|_| root != id) {
+                loads.members.insert((root, self.members(*kind, &path).0));
+            }
             let class = self.declared.pointee(root).map_or(u32::MAX, |pointee| pointee.0);
             if [StorageClass::PushConstant, StorageClass::Uniform, StorageClass::StorageBuffer]
                 .iter()
                 .any(|block| *block as u32 == class)
             {
-                let (members, element) = self.members(root, &path);
+                let kind = self.declared.pointee(root).map_or(0, |pointee| pointee.1);
+                let (members, element) = self.members(kind, &path);
                 if let Some(element) = element {
                     let products_only = self.products.contains(&id);
                     let elements = loads.elements.entry((root, members.clone())).or_default();
@@ -225,15 +246,15 @@ impl Flow<'_> {
             self.open.extend(path);
             self.open.extend(self.into.get(&id).into_iter().flatten());
         }
+        loads.ids = seen;
         loads
     }
 
-    /// Returns the constant `indices` that choose members of structures, from `variable` on; an
+    /// Returns the constant `indices` that choose members of structures, from the type `kind` on; an
     /// unknown index ends the list. If the last index is that of an array element and is known, it
     /// is returned, too.
-    fn members(&self, variable: u32, indices: &[u32]) -> (Vec<u32>, Option<u32>) {
+    fn members(&self, mut kind: u32, indices: &[u32]) -> (Vec<u32>, Option<u32>) {
         let constant = |id: u32| self.declared.get(id, Op::Constant).map(|constant| constant.operand(2));
-        let mut kind = self.declared.pointee(variable).map_or(0, |pointee| pointee.1);
         let (mut path, mut element) = (Vec::new(), None);
         for index in indices {
             if let Some(block) = self.declared.get(kind, Op::TypeStruct) {

@@ -4,6 +4,7 @@
 //! `module` reads words, `functions` adds to them. The other modules are used through the
 //! exports of this file.
 
+mod addresses;
 mod camera_matrices;
 mod compute;
 mod dependence;
@@ -17,7 +18,7 @@ mod texels;
 pub use camera_matrices::{CAMERA_BYTES, Chosen, MOST_CAMERAS, camera_matrices};
 pub use compute::{BufferWrites, ComputeUse, compute_use};
 pub use frag_coord::frag_coord;
-pub use reflect::{Matrix, Memory, asks_place, matrices};
+pub use reflect::{Matrix, Memory, asks_place, attribute_matrices, matrices, missing_lens};
 pub use splice::splice;
 pub use texels::{DescriptorPlace, Followed, MOST_PICTURES, texels};
 

@@ -1,6 +1,6 @@
 //! The words of a SPIR-V module, instruction by instruction. Unknown instructions are skipped.
 
-use spirv::{Decoration, Op};
+use spirv::{Decoration, Op, StorageClass};
 use std::collections::HashMap;
 
 /// An instruction.
@@ -146,6 +146,17 @@ impl<'a> Declarations<'a> {
     pub fn pointee(&self, variable: u32) -> Option<(u32, u32)> {
         let pointer = self.get(self.get(variable, Op::Variable)?.operand(0), Op::TypePointer)?;
         Some((pointer.operand(1), pointer.operand(2)))
+    }
+
+    /// Returns the type that addresses of a type point at; `None` if the type is none of addresses.
+    pub fn address(&self, kind: u32) -> Option<u32> {
+        let pointer = self.get(kind, Op::TypePointer)?;
+        (pointer.operand(1) == StorageClass::PhysicalStorageBuffer as u32).then(|| pointer.operand(2))
+    }
+
+    /// True if the type is a matrix of four `vec4`.
+    pub fn is_mat4(&self, id: u32) -> bool {
+        self.get(id, Op::TypeMatrix).is_some_and(|matrix| matrix.operand(2) == 4 && self.is_vec4(matrix.operand(1)))
     }
 
     /// Returns the id of a set of instructions, if it is imported.

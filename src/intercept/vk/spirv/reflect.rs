@@ -1,9 +1,12 @@
 //! Locations of a shader's 4×4 matrices.
 
+use crate::intercept::scene::flat_program::MissingLens;
 use crate::intercept::scene::lens;
+use crate::intercept::vk::spirv::addresses::{Address, addresses};
 use crate::intercept::vk::spirv::dependence::PositionLoads;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
 use spirv::{BuiltIn, Decoration, Op, StorageClass};
+use std::collections::HashSet;
 
 /// The memory that a matrix is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -17,6 +20,45 @@ pub enum Memory {
         /// Binding in the set; the first one of an array of descriptors.
         binding: u32,
     },
+    /// A buffer whose address is in push constants.
+    PushedAddress {
+        /// Offset of the address in bytes.
+        at: u32,
+    },
+    /// A buffer whose address is in a buffer.
+    AddressInBuffer {
+        /// Descriptor set.
+        set: u32,
+        /// Binding in the set.
+        binding: u32,
+        /// Offset of the address in bytes.
+        at: u32,
+    },
+    /// Attributes of vertices or instances, one for each column.
+    Attribute {
+        /// Location of the first column.
+        location: u32,
+    },
+}
+
+impl Memory {
+    /// Returns the memory at an address that is in this memory; `None` if that is not followed.
+    fn at_address(self, at: u32) -> Option<Self> {
+        match self {
+            Self::Push => Some(Self::PushedAddress { at }),
+            Self::Buffer { set, binding } => Some(Self::AddressInBuffer { set, binding, at }),
+            _ => None,
+        }
+    }
+
+    /// Reason why a draw whose matrix is here has no lens, if it cannot be read.
+    pub fn if_unreadable(self) -> MissingLens {
+        match self {
+            Self::Push | Self::Buffer { .. } => MissingLens::OfDevice,
+            Self::PushedAddress { .. } | Self::AddressInBuffer { .. } => MissingLens::Address,
+            Self::Attribute { .. } => MissingLens::Attribute,
+        }
+    }
 }
 
 /// A 4×4 matrix of 32-bit floats.
@@ -40,25 +82,16 @@ const MOST: usize = 16;
 /// Greatest depth of nested blocks. No program is known to need more.
 const DEEPEST: usize = 4;
 
-/// Returns the matrices in a shader's uniform blocks, storage blocks and push constants, the
-/// likeliest first. Of arrays, only the first element is taken. `of_position`: only matrices that
-/// may flow into the shader's `Position`.
+/// Returns the matrices in a shader's uniform blocks, storage blocks and push constants, and at
+/// addresses that these hold, the likeliest first. Of arrays, only the first element is taken.
+/// `of_position`: only matrices that may flow into the shader's `Position`.
 pub fn matrices(words: &[u32], of_position: bool) -> Vec<Matrix> {
     let Some(all) = instructions(words) else { return Vec::new() };
     let declared = Declarations::new(&all);
     let loads = if of_position { PositionLoads::of(&all, &declared) } else { None };
     let mut found = Vec::new();
-    for instruction in all.iter().take_while(|i| !i.is(Op::Function)).filter(|i| i.is(Op::Variable)) {
-        let variable = instruction.operand(1);
-        let Some((class, mut pointee)) = declared.pointee(variable) else { continue };
-        let memory = if class == StorageClass::PushConstant as u32 {
-            Memory::Push
-        } else if [StorageClass::Uniform as u32, StorageClass::StorageBuffer as u32].contains(&class) {
-            let place = |kind| declared.number(variable, None, kind).unwrap_or(0);
-            Memory::Buffer { set: place(Decoration::DescriptorSet), binding: place(Decoration::Binding) }
-        } else {
-            continue;
-        };
+    for (variable, mut pointee) in globals(&all, &declared) {
+        let Some(memory) = memory(&declared, variable) else { continue };
         if let Some(array) = declared.get(pointee, Op::TypeArray) {
             pointee = array.operand(1);
         }
@@ -66,9 +99,78 @@ pub fn matrices(words: &[u32], of_position: bool) -> Vec<Matrix> {
         let loaded = Loaded { loads: loads.as_ref(), variable };
         members(&declared, pointee, &Within { memory, offset: 0, name, path: Vec::new() }, &loaded, &mut found);
     }
+    for Address { id, pointee, variable, at } in addresses(&all, &declared) {
+        let Some(memory) = memory(&declared, variable).and_then(|memory| memory.at_address(at)) else { continue };
+        let loaded = Loaded { loads: loads.as_ref(), variable: id };
+        members(&declared, pointee, &Within { memory, offset: 0, name: "", path: Vec::new() }, &loaded, &mut found);
+    }
     found.sort_by_key(|matrix| matrix.rank);
+    let mut seen = HashSet::new();
+    found.retain(|matrix| seen.insert(*matrix));
     found.truncate(MOST);
     found
+}
+
+/// Variables outside of functions, and the types that they point at.
+fn globals<'a>(all: &'a [Instruction<'_>], declared: &'a Declarations<'_>) -> impl Iterator<Item = (u32, u32)> + 'a {
+    let globals = all.iter().take_while(|i| !i.is(Op::Function)).filter(|i| i.is(Op::Variable));
+    globals.filter_map(|i| Some((i.operand(1), declared.pointee(i.operand(1))?.1)))
+}
+
+/// Returns the memory of a variable; `None` if it is no block of the program.
+fn memory(declared: &Declarations<'_>, variable: u32) -> Option<Memory> {
+    let (class, _) = declared.pointee(variable)?;
+    if class == StorageClass::PushConstant as u32 {
+        return Some(Memory::Push);
+    }
+    let place = |kind| declared.number(variable, None, kind).unwrap_or(0);
+    [StorageClass::Uniform as u32, StorageClass::StorageBuffer as u32]
+        .contains(&class)
+        .then(|| Memory::Buffer { set: place(Decoration::DescriptorSet), binding: place(Decoration::Binding) })
+}
+
+/// Returns the matrices among the attributes of a vertex shader. `of_position`: as for [`matrices`].
+pub fn attribute_matrices(words: &[u32], of_position: bool) -> Vec<Matrix> {
+    let Some(all) = instructions(words) else { return Vec::new() };
+    let declared = Declarations::new(&all);
+    let loads = if of_position { PositionLoads::of(&all, &declared) } else { None };
+    let matrix = |(variable, kind): (u32, u32)| {
+        let is_input = declared.pointee(variable)?.0 == StorageClass::Input as u32;
+        let flows = loads.as_ref().is_none_or(|loads| loads.reach(variable));
+        let location = declared.number(variable, None, Decoration::Location)?;
+        (is_input && flows && declared.is_mat4(kind)).then(|| Matrix {
+            memory: Memory::Attribute { location },
+            offset: 0,
+            stride: 16,
+            row_major: false,
+            rank: lens::rank(declared.name(variable, None)),
+        })
+    };
+    globals(&all, &declared).filter_map(matrix).collect()
+}
+
+/// Returns the reason why a shader in which no matrix was found has no lens.
+pub fn missing_lens(words: &[u32]) -> MissingLens {
+    let Some(all) = instructions(words) else { return MissingLens::default() };
+    let declared = Declarations::new(&all);
+    let Some(loads) = PositionLoads::of(&all, &declared) else { return MissingLens::default() };
+    let reached = || all.iter().skip_while(|i| !i.is(Op::Function)).filter(|i| loads.reach(i.operand(1)));
+    let multiplies = |i: &Instruction<'_>| {
+        let [matrix, vector] = [Op::MatrixTimesMatrix, Op::MatrixTimesVector].map(|op| i.is(op));
+        (matrix && declared.is_mat4(i.operand(0)))
+            || ((vector || i.is(Op::VectorTimesMatrix)) && declared.is_vec4(i.operand(0)))
+    };
+    let storage = StorageClass::StorageBuffer as u32;
+    let is_stored = |variable| declared.pointee(variable).is_some_and(|(class, _)| class == storage);
+    if reached().any(|i| declared.address(i.operand(0)).is_some()) {
+        MissingLens::Address
+    } else if reached().any(multiplies) {
+        MissingLens::Composed
+    } else if globals(&all, &declared).any(|(variable, _)| is_stored(variable) && loads.contain(variable, &[])) {
+        MissingLens::Stored
+    } else {
+        MissingLens::NoMatrix
+    }
 }
 
 /// True if a fragment shader uses its position on the screen.
@@ -122,8 +224,8 @@ fn members(declared: &Declarations<'_>, id: u32, within: &Within<'_>, loaded: &L
         }
         let own = declared.name(id, member);
         let name = if own.is_empty() { within.name } else { own };
-        if let Some(matrix) = declared.get(kind, Op::TypeMatrix) {
-            if matrix.operand(2) == 4 && declared.is_vec4(matrix.operand(1)) && loaded.contains(&path) {
+        if declared.get(kind, Op::TypeMatrix).is_some() {
+            if declared.is_mat4(kind) && loaded.contains(&path) {
                 found.push(Matrix {
                     memory: within.memory,
                     offset,

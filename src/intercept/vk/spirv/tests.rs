@@ -2,6 +2,7 @@
 
 mod camera_matrices;
 mod compute;
+mod elsewhere;
 mod frag_coord;
 mod texels;
 

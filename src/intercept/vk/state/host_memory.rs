@@ -2,14 +2,17 @@
 
 use crate::lock::Lock;
 use ash::vk;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A buffer that shaders may read matrices from.
 pub(in crate::intercept::vk) struct KnownBuffer {
     pub(in crate::intercept::vk) memory: vk::DeviceMemory,
     pub(in crate::intercept::vk) offset: u64,
     pub(in crate::intercept::vk) size: u64,
+    /// True if shaders read it only as vertex attributes, which seldom hold the camera's matrix.
+    pub(in crate::intercept::vk) of_vertices: bool,
     /// Ranges that commands wrote, with the bytes that were written last.
     pub(in crate::intercept::vk) written: Vec<(u64, Vec<u8>)>,
 }
@@ -27,6 +30,11 @@ pub(in crate::intercept::vk) const MOST_KEPT: u64 = 1 << 16;
 pub struct HostMemory {
     pub(in crate::intercept::vk) buffers: Mutex<HashMap<vk::Buffer, KnownBuffer>>,
     pub(in crate::intercept::vk) mapped: Mutex<HashMap<vk::DeviceMemory, Mapping>>,
+    /// Buffers by the addresses that the program has asked for.
+    addresses: Mutex<BTreeMap<u64, vk::Buffer>>,
+    /// True if a pipeline has a matrix among its attributes. What is copied to buffers of vertices
+    /// is kept from then on.
+    keeps_vertices: AtomicBool,
 }
 
 impl HostMemory {
@@ -49,10 +57,37 @@ impl HostMemory {
         true
     }
 
+    /// Keeps what is copied to buffers of vertices from now on.
+    pub fn keep_vertices(&self) {
+        self.keeps_vertices.store(true, Ordering::Relaxed);
+    }
+
+    fn keeps(&self, buffer: &KnownBuffer) -> bool {
+        !buffer.of_vertices || self.keeps_vertices.load(Ordering::Relaxed)
+    }
+
+    /// Notes the address of a buffer.
+    pub fn note_address(&self, address: u64, buffer: vk::Buffer) {
+        self.addresses.locked().insert(address, buffer);
+    }
+
+    /// Returns the buffer that an address lies in, and the offset in it.
+    pub fn at_address(&self, address: u64) -> Option<(vk::Buffer, u64)> {
+        let (start, buffer) = self.addresses.locked().range(..=address).next_back().map(|(s, b)| (*s, *b))?;
+        let size = self.buffers.locked().get(&buffer)?.size;
+        (address - start < size).then_some((buffer, address - start))
+    }
+
+    /// Forgets a buffer that is destroyed.
+    pub fn forget(&self, buffer: vk::Buffer) {
+        self.buffers.locked().remove(&buffer);
+        self.addresses.locked().retain(|_, known| *known != buffer);
+    }
+
     /// Stores the bytes that a command writes to a buffer.
     pub fn written(&self, buffer: vk::Buffer, offset: u64, bytes: Vec<u8>) {
         let mut buffers = self.buffers.locked();
-        let Some(state) = buffers.get_mut(&buffer) else { return };
+        let Some(state) = buffers.get_mut(&buffer).filter(|buffer| self.keeps(buffer)) else { return };
         let end = offset + bytes.len() as u64;
         state.written.retain(|(at, old)| *at < offset || at + old.len() as u64 > end);
         state.written.push((offset, bytes));
@@ -67,7 +102,7 @@ impl HostMemory {
 
     /// Stores the bytes that a copy writes to a buffer, if both buffers are known.
     pub fn copied(&self, from: vk::Buffer, to: vk::Buffer, region: &vk::BufferCopy) {
-        let wanted = self.buffers.locked().contains_key(&to);
+        let wanted = self.buffers.locked().get(&to).is_some_and(|buffer| self.keeps(buffer));
         if !wanted || region.size > MOST_KEPT {
             return;
         }
@@ -101,7 +136,8 @@ mod tests {
 
     fn with_buffer() -> (HostMemory, vk::Buffer) {
         let (memory, handle) = (HostMemory::default(), vk::Buffer::from_raw(7));
-        let buffer = KnownBuffer { memory: vk::DeviceMemory::from_raw(9), offset: 4, size: 64, written: Vec::new() };
+        let (of, size) = (vk::DeviceMemory::from_raw(9), 64);
+        let buffer = KnownBuffer { memory: of, offset: 4, size, of_vertices: false, written: Vec::new() };
         memory.buffers.lock().expect("no panic").insert(handle, buffer);
         (memory, handle)
     }
@@ -128,6 +164,28 @@ mod tests {
         assert!(memory.read(buffer, 10, &mut read) && read == [2; 4]);
         assert!(memory.read(buffer, 24, &mut read) && read == [3; 4]);
         assert!(!memory.read(buffer, 14, &mut read), "known in part only");
+    }
+
+    #[test]
+    fn an_address_belongs_to_the_buffer_that_it_lies_in() {
+        let (memory, buffer) = with_buffer();
+        memory.note_address(1000, buffer);
+        assert_eq!(memory.at_address(1010), Some((buffer, 10)));
+        assert_eq!((memory.at_address(999), memory.at_address(1064)), (None, None));
+        memory.forget(buffer);
+        assert_eq!(memory.at_address(1010), None);
+    }
+
+    #[test]
+    fn copies_to_vertices_are_kept_only_if_they_are_needed() {
+        let (memory, buffer) = with_buffer();
+        memory.buffers.lock().expect("no panic").get_mut(&buffer).expect("known").of_vertices = true;
+        memory.written(buffer, 0, vec![1; 8]);
+        let mut read = [0; 4];
+        assert!(!memory.read(buffer, 0, &mut read));
+        memory.keep_vertices();
+        memory.written(buffer, 0, vec![1; 8]);
+        assert!(memory.read(buffer, 0, &mut read));
     }
 
     #[test]

@@ -37,7 +37,8 @@ impl Frame {
     pub fn end(&mut self, in_views: bool, off_screen: impl FnOnce() -> OffScreen) {
         if let Some(layout) = self.layout.as_ref().filter(|_| in_views) {
             let has_scene = !self.counts.found.is_empty() || self.counts.duplicated > 0;
-            self.flat_program.look(self.counts.seen, has_scene, &layout.session, off_screen);
+            self.flat_program.look(self.counts.seen, has_scene, &layout.session, &self.counts.missing, off_screen);
+            self.small_window.look(&layout.session);
         }
         self.order.end_frame();
         self.cameras.end_frame();
@@ -236,6 +237,7 @@ fn classify(
         // A flat draw to an image of the scene can only go to the views.
         None if facts.off_screen => DrawClass::Behind,
         None => {
+            frame.counts.missing.count(group.missing_lens(), group.draws);
             frame.counts.flat += group.draws;
             frame.order.note_flat();
             let behind = in_views && frame.order.is_behind();

@@ -9,10 +9,15 @@ use crate::intercept::vk::state::host_memory::KnownBuffer;
 use crate::lock::Lock;
 use ash::vk;
 
-/// True if buffers with these uses can hold matrices, or can be the source of a copy of matrices.
-fn may_hold_matrices(usage: vk::BufferUsageFlags) -> bool {
+/// Returns the state of a new buffer; `None` if it can hold no matrices, and can be the source of no
+/// copy of matrices.
+fn known(info: &vk::BufferCreateInfo<'_>) -> Option<KnownBuffer> {
     use vk::BufferUsageFlags as U;
-    usage.intersects(U::UNIFORM_BUFFER | U::STORAGE_BUFFER | U::TRANSFER_SRC)
+    let read = U::UNIFORM_BUFFER | U::STORAGE_BUFFER | U::TRANSFER_SRC | U::SHADER_DEVICE_ADDRESS;
+    let of_vertices = !info.usage.intersects(read);
+    let known = !of_vertices || info.usage.contains(U::VERTEX_BUFFER);
+    let (memory, offset, size) = (vk::DeviceMemory::null(), 0, info.size);
+    known.then(|| KnownBuffer { memory, offset, size, of_vertices, written: Vec::new() })
 }
 
 hooks! {
@@ -20,8 +25,7 @@ hooks! {
         device: vk::Device, info: *const vk::BufferCreateInfo<'_>, allocator: *const vk::AllocationCallbacks<'_>, buffer: *mut vk::Buffer
     ) -> vk::Result { |state, next| {
         let result = next(device, info, allocator, buffer);
-        if result == vk::Result::SUCCESS && may_hold_matrices((*info).usage) {
-            let new = KnownBuffer { memory: vk::DeviceMemory::null(), offset: 0, size: (*info).size, written: Vec::new() };
+        if let Some(new) = known(&*info).filter(|_| result == vk::Result::SUCCESS) {
             state.host_memory.buffers.locked().insert(*buffer, new);
         }
         result
@@ -29,8 +33,15 @@ hooks! {
     destroy_buffer = (
         device: vk::Device, buffer: vk::Buffer, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
-        state.host_memory.buffers.locked().remove(&buffer);
+        state.host_memory.forget(buffer);
         next(device, buffer, allocator)
+    } }
+    get_buffer_address = (
+        device: vk::Device, info: *const vk::BufferDeviceAddressInfo<'_>
+    ) -> vk::DeviceAddress { |state, next| {
+        let address = next(device, info);
+        state.host_memory.note_address(address, (*info).buffer);
+        address
     } }
     bind_buffer_memory = (
         device: vk::Device, buffer: vk::Buffer, memory: vk::DeviceMemory, offset: vk::DeviceSize

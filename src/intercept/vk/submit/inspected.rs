@@ -26,10 +26,7 @@ pub(in crate::intercept::vk) fn note(
         DrawClass::Screen => ("pass over the screen", "it shows an image of the scene".to_owned()),
         DrawClass::Behind => ("flat, behind the scene", "no matrix with a perspective, before the scene".to_owned()),
         DrawClass::Flat if !in_views => ("flat", "everything is shown flat".to_owned()),
-        DrawClass::Flat if facts.sources.is_empty() => {
-            ("flat", "no 4×4 matrix flows into its positions, or none that can be read".to_owned())
-        }
-        DrawClass::Flat => ("flat", "no matrix with a perspective".to_owned()),
+        DrawClass::Flat => ("flat", group.missing_lens().reason().to_owned()),
     };
     let state = [(facts.deep, "depth test"), (facts.y_up, "y up")];
     let state: Vec<&str> = state.into_iter().filter_map(|(is_set, name)| is_set.then_some(name)).collect();
@@ -38,6 +35,11 @@ pub(in crate::intercept::vk) fn note(
         let form = if row_major { "by rows" } else { "by columns" };
         let name = match memory {
             Memory::Push => format!("push constants, byte {offset}"),
+            Memory::PushedAddress { at } => format!("address in push constants, byte {at}, then byte {offset}"),
+            Memory::AddressInBuffer { set, binding, at } => {
+                format!("address in set {set}, binding {binding}, byte {at}, then byte {offset}")
+            }
+            Memory::Attribute { location } => format!("attribute of instances, location {location}"),
             Memory::Buffer { set, binding } => format!("set {set}, binding {binding}, byte {offset}"),
         };
         match value(source) {

@@ -1,5 +1,5 @@
 //! Swapchains: `vkCreateSwapchainKHR`, `vkGetSwapchainImagesKHR`, `vkDestroySwapchainKHR` and
-//! `vkQueuePresentKHR`.
+//! `vkQueuePresentKHR`. [`surfaces`] gives windows the size of `--size`.
 //!
 //! The program gets stand-in images in place of the images of a swapchain. Each has an atlas for
 //! the views and the panel. When the program presents one, the correction draws the real image from
@@ -18,3 +18,4 @@ pub mod publish;
 pub mod read_back;
 mod record;
 pub mod stand_in;
+pub mod surfaces;

@@ -368,16 +368,17 @@ pub fn count_again(device: &Device) {
 }
 
 fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> Statistics {
-    let (counts, lenses) = {
+    let (counts, lenses, flat) = {
         let frame = device.frame.locked();
-        (frame.counts().clone(), common_statistics::lenses(frame.cameras()).collect())
+        let lenses = common_statistics::lenses(frame.cameras()).collect();
+        (frame.counts().clone(), lenses, frame.flat_note().map(str::to_owned))
     };
     let divided = &device.pipelines.divided;
     let uncounted = divided
         .uncounted()
         .map(|why| format!("Vulkan: primitives that are not divided far enough are not counted: {why}"));
     let mut statistics = Statistics {
-        notes: device.flatness.note().into_iter().chain(uncounted).collect(),
+        notes: device.flatness.note().into_iter().chain(uncounted).chain(flat).collect(),
         draws_seen: counts.seen,
         panel_draws: counts.flat,
         duplicated_draws: counts.duplicated,

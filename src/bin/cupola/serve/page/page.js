@@ -84,7 +84,7 @@ function showHealth(state) {
   const milliseconds = state.frame_milliseconds, megabytes = bytes => `${Math.round(bytes / 1048576)} MiB`;
   const { program } = state;
   const words = program.runs
-    ? [milliseconds ? `<b>${(1000 / milliseconds).toFixed(1)}</b> frames/s` : 'starts', `<b>${megabytes(state.memory.program)}</b>`]
+    ? [state.clock?.held ? 'time held' : milliseconds ? `<b>${(1000 / milliseconds).toFixed(1)}</b> frames/s` : 'starts', `<b>${megabytes(state.memory.program)}</b>`]
     : [program.ended ? 'program failed' : 'no program'];
   $('health').innerHTML = words.join(' · ');
   $('note').textContent = $('overlay').value !== 'picture' ? '' : !program.runs ? (program.ended ? 'The program ended; see Health.' : 'No program runs: the lines are angles of the dome.')

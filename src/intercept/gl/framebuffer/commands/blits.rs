@@ -8,6 +8,7 @@ use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::framebuffer::reading::read_back;
 use crate::intercept::gl::framebuffer::target::enlarge::want_panel;
+use crate::intercept::gl::offscreen::displayed;
 use crate::intercept::gl::offscreen::transfers;
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::per_view::panel::clear_panel;
@@ -19,11 +20,12 @@ pub fn blit(ctx: &mut Context, mut source: BlitRect, destination: BlitRect, mask
     if transfers::blit(ctx, source, destination, mask, filter) {
         if ctx.redirected() {
             ctx.note_drawn();
-            ctx.frame.note_scene();
             if let Some(target) = ctx.drawable.target_mut() {
                 target.content.forget();
             }
-            clear_panel(ctx);
+            if let Some(part) = transfers::shown_part(ctx, source, destination) {
+                displayed::note_shown(ctx, part);
+            }
         }
         return;
     }

@@ -33,15 +33,16 @@ pub(in crate::intercept::gl::offscreen) fn look(ctx: &mut Context) -> usize {
     index
 }
 
-/// Examines the attachments of the program's read framebuffer, if compute shaders may have written
-/// its images. In that case no draw has examined it.
+/// Examines the attachments of the program's read framebuffer. No draw of this context has examined
+/// it if compute shaders or another context write its images.
 pub(in crate::intercept::gl::offscreen) fn look_at_read(
     driver: &mut Driver,
     app: &AppState,
     view_copies: &mut ViewCopies,
 ) {
     let name = app.read_framebuffer();
-    if !view_copies.computes || name == 0 || name == app.draw_framebuffer() {
+    let follows = view_copies.computes || view_copies.any();
+    if !follows || name == 0 || name == app.draw_framebuffer() {
         return;
     }
     let index = view_copies.position(name).unwrap_or_else(|| {

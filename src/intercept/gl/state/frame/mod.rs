@@ -18,9 +18,10 @@ use crate::intercept::gl::state::frame::draw_count::DrawCount;
 use crate::intercept::gl::state::frame::front_buffer::FrontBufferThrottle;
 use crate::intercept::gl::state::frame::publishing::Publishing;
 use crate::intercept::gl::state::frame::statistics::Counts;
+use crate::intercept::process::small_window::SmallWindow;
 use crate::intercept::scene::camera::Cameras;
 use crate::intercept::scene::culling_program::CullingProgram;
-use crate::intercept::scene::flat_program::FlatProgram;
+use crate::intercept::scene::flat_program::{FlatProgram, MissingLens};
 use crate::runtime::frame_times::FrameTimes;
 use crate::runtime::session::{Intrinsics, Session};
 use std::sync::{Arc, Mutex};
@@ -47,6 +48,7 @@ pub struct Frame {
     failed_corrections: u32,
     /// Test whether the program draws no scene.
     flat_program: FlatProgram,
+    small_window: SmallWindow,
     /// Test whether the program leaves out objects beside its own picture.
     culling_program: CullingProgram,
     /// True if a scene was ever shown in the window.
@@ -160,6 +162,11 @@ impl Frame {
         self.counts.found.count(how);
     }
 
+    /// Notes a draw to the window that has no lens.
+    pub fn note_missing_lens(&mut self, reason: MissingLens) {
+        self.counts.missing.count(reason, 1);
+    }
+
     /// Notes a draw whose projection was found in this way, without a lens of its own.
     pub fn note_found(&mut self, how: &'static str) {
         self.counts.found.count(how);
@@ -192,14 +199,20 @@ impl Frame {
         self.failed_corrections
     }
 
-    /// Returns the tests whether the program draws no scene, and whether it leaves out objects.
-    pub fn program_checks(&self) -> (FlatProgram, CullingProgram) {
-        (self.flat_program, self.culling_program)
+    /// Takes the tests whether the program draws no scene, whether it leaves out objects, and whether
+    /// its window is too small.
+    pub fn take_program_checks(&mut self) -> (FlatProgram, CullingProgram, SmallWindow) {
+        (std::mem::take(&mut self.flat_program), self.culling_program, self.small_window)
+    }
+
+    /// The message for a program without a scene, if there was one.
+    pub fn flat_note(&self) -> Option<&str> {
+        self.flat_program.note()
     }
 
     /// Puts these tests back after they have looked at a frame.
-    pub fn put_program_checks(&mut self, flat_program: FlatProgram, culling_program: CullingProgram) {
-        (self.flat_program, self.culling_program) = (flat_program, culling_program);
+    pub fn put_program_checks(&mut self, checks: (FlatProgram, CullingProgram, SmallWindow)) {
+        (self.flat_program, self.culling_program, self.small_window) = checks;
     }
 
     /// True if the test whether the program leaves out objects needs the positions of draws.
@@ -301,6 +314,12 @@ impl Frame {
     /// Notes that a scene is shown in the window.
     pub fn note_scene(&mut self) {
         self.background.note_scene();
+        self.shows_scene = true;
+    }
+
+    /// Notes that a scene is shown in a part of the window. Flat drawing before it is beside it, and
+    /// not behind it.
+    pub fn note_scene_in_part(&mut self) {
         self.shows_scene = true;
     }
 

@@ -1,6 +1,7 @@
 //! Numbers that are counted for `--stats`.
 
 use crate::intercept::scene::culling_program::Places;
+use crate::intercept::scene::flat_program::MissingLenses;
 
 /// Counts for `--stats`.
 #[derive(Clone, Debug, Default)]
@@ -27,6 +28,8 @@ pub struct Counts {
     pub linked: u64,
     /// Draws by the way their projection was found.
     pub found: FoundBy,
+    /// Draws without a lens.
+    pub missing: MissingLenses,
 }
 
 /// Number of draws by the way in which their projection was found. Counting allocates nothing.

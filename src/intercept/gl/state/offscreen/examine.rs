@@ -104,6 +104,7 @@ impl Image {
             other_shape: false,
             copies_window: false,
             displayed: false,
+            shown_small: false,
             reads: Vec::new(),
             read_back: false,
             lost: false,

@@ -44,6 +44,8 @@ pub struct Image {
     pub copies_window: bool,
     /// True if the image fills the window when it is shown.
     pub displayed: bool,
+    /// True if the image was shown in a small part of the window.
+    pub shown_small: bool,
     /// Images from which this image is made.
     pub reads: Vec<Name>,
     /// True if the program reads the image back.

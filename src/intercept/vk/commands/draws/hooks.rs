@@ -51,6 +51,7 @@ fn note_candidate(device: &Device, recording: &mut Recording, pipeline: &Pipelin
         device,
         recording,
         matrices,
+        size.first_instance(),
         Cover {
             main_picture,
             few_vertices: size.may_cover_viewport(),

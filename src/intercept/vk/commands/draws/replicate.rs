@@ -10,6 +10,7 @@
 //! (`submit::draw_groups`). At recording, the draw is issued to every tile that may have to show
 //! it.
 
+use crate::intercept::scene::flat_program::MissingLens;
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::scene::to_window::Area;
 use crate::intercept::vk::commands::bound_state::set_window;
@@ -141,9 +142,15 @@ fn classify(
     let program = ProgramWindow::of(recording, draw.pipeline, layout);
     let main = is_main(&program.viewport, layout.window);
     let covers = draw.size.may_cover_viewport();
+    let first = draw.size.first_instance();
     let sources: Vec<MatrixSource> = match variants.follows && main {
-        true => variants.matrices.iter().filter_map(|m| source(device, recording, m)).collect(),
+        true => variants.matrices.iter().filter_map(|m| source(device, recording, m, first)).collect(),
         false => Vec::new(),
+    };
+    let missing_lens = match variants.matrices.first() {
+        _ if !main => MissingLens::PartOfWindow,
+        Some(matrix) => matrix.memory.if_unreadable(),
+        None => variants.missing_lens,
     };
     let ours = draw.pipeline.layout.as_ref().map_or(0, |layout| layout.ours);
     let sets = per_view_sets(device, recording, layout, ours).map_err(|why| device.show_flat(why)).ok()?;
@@ -152,7 +159,7 @@ fn classify(
     let pictures: Vec<_> = variants.pictures.iter().map(|place| shown_layout(device, recording, *place)).collect();
     let of_camera = |camera: &CameraMatrix| {
         let CameraMatrix { matrix, called, stage, inverted } = *camera;
-        CameraSource { source: source(device, recording, &matrix).filter(|_| main), called, stage, inverted }
+        CameraSource { source: source(device, recording, &matrix, first).filter(|_| main), called, stage, inverted }
     };
     let cameras: Vec<_> = variants.cameras.iter().map(of_camera).collect();
     // A flat draw may be a sky, or another picture that is computed from pixel positions.
@@ -175,8 +182,20 @@ fn classify(
         recording.y_up = y_up;
     }
     let viewport = variants.moves_place.then(|| area(&program.viewport));
-    let facts =
-        DrawFacts { sources, y_up, in_views, off_screen, deep, viewport, pictures, screen, fills, cameras, sky };
+    let facts = DrawFacts {
+        sources,
+        missing_lens,
+        y_up,
+        in_views,
+        off_screen,
+        deep,
+        viewport,
+        pictures,
+        screen,
+        fills,
+        cameras,
+        sky,
+    };
     Some(Classified { facts, program, sets })
 }
 

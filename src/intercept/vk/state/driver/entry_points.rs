@@ -48,6 +48,8 @@ entry_points! {
     cmd_set_scissor: PFN_vkCmdSetScissor [c"vkCmdSetScissor"]
     cmd_set_viewport_with_count: PFN_vkCmdSetViewportWithCount [c"vkCmdSetViewportWithCount", c"vkCmdSetViewportWithCountEXT"]
     cmd_set_scissor_with_count: PFN_vkCmdSetScissorWithCount [c"vkCmdSetScissorWithCount", c"vkCmdSetScissorWithCountEXT"]
+    cmd_bind_vertex_buffers: PFN_vkCmdBindVertexBuffers [c"vkCmdBindVertexBuffers"]
+    cmd_bind_vertex_buffers2: PFN_vkCmdBindVertexBuffers2 [c"vkCmdBindVertexBuffers2", c"vkCmdBindVertexBuffers2EXT"]
     cmd_bind_shaders: PFN_vkCmdBindShadersEXT [c"vkCmdBindShadersEXT"]
 
     // Draws.
@@ -190,6 +192,7 @@ entry_points! {
     // Buffers and memory.
     create_buffer: PFN_vkCreateBuffer [c"vkCreateBuffer"]
     destroy_buffer: PFN_vkDestroyBuffer [c"vkDestroyBuffer"]
+    get_buffer_address: PFN_vkGetBufferDeviceAddress [c"vkGetBufferDeviceAddress", c"vkGetBufferDeviceAddressKHR", c"vkGetBufferDeviceAddressEXT"]
     bind_buffer_memory: PFN_vkBindBufferMemory [c"vkBindBufferMemory"]
     bind_buffer_memory2: PFN_vkBindBufferMemory2 [c"vkBindBufferMemory2", c"vkBindBufferMemory2KHR"]
     map_memory: PFN_vkMapMemory [c"vkMapMemory"]

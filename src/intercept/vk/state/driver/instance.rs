@@ -1,10 +1,11 @@
 //! Instances: the next layer's functions for each.
 
+use crate::intercept::process::xcb::XcbWindow;
 use crate::lock::SharedLock;
 use ash::vk;
 use std::collections::HashMap;
 use std::ffi::c_void;
-use std::sync::{Arc, RwLock};
+use std::sync::{Arc, Mutex, RwLock};
 
 /// An instance of the program.
 pub struct Instance {
@@ -14,6 +15,21 @@ pub struct Instance {
     pub(in crate::intercept::vk) functions: ash::Instance,
     /// The functions of `VK_KHR_surface`. They may be called only if the program enabled it.
     pub(in crate::intercept::vk) surface: ash::khr::surface::InstanceFn,
+    /// Those of `VK_KHR_get_surface_capabilities2`, likewise.
+    pub(in crate::intercept::vk) surface2: ash::khr::get_surface_capabilities2::InstanceFn,
+    /// Those of `VK_KHR_xlib_surface`, likewise.
+    pub(in crate::intercept::vk) xlib: ash::khr::xlib_surface::InstanceFn,
+    /// Those of `VK_KHR_xcb_surface`, likewise.
+    pub(in crate::intercept::vk) xcb: ash::khr::xcb_surface::InstanceFn,
+    /// Windows of X11 that get a size (`swapchain`).
+    pub(in crate::intercept::vk) surfaces: Mutex<HashMap<vk::SurfaceKHR, Surface>>,
+}
+
+/// The window of a surface.
+pub(in crate::intercept::vk) struct Surface {
+    pub(in crate::intercept::vk) window: XcbWindow,
+    /// Number of times that its size was changed.
+    pub(in crate::intercept::vk) resized: u32,
 }
 
 pub(in crate::intercept::vk) static INSTANCES: RwLock<Option<HashMap<usize, Arc<Instance>>>> = RwLock::new(None);

@@ -3,6 +3,7 @@
 
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::state::driver::structures::{Copied, in_chain, slice};
+use crate::intercept::vk::state::pipelines::InstanceColumn;
 use ash::vk::{self, GraphicsPipelineLibraryFlagsEXT as Flags};
 use std::ffi::c_void;
 
@@ -89,13 +90,36 @@ impl<'a> Parts<'a> {
         input && self.flags.contains(Flags::PRE_RASTERIZATION_SHADERS | Flags::FRAGMENT_SHADER)
     }
 
-    /// Number of vertex attributes; `None` if this part does not describe them.
-    pub fn attributes(&self) -> Option<u32> {
+    /// The vertex input; `None` if this part does not describe it.
+    fn vertex_input(&self) -> Option<&'a vk::PipelineVertexInputStateCreateInfo<'a>> {
         let described = self.flags.contains(Flags::VERTEX_INPUT_INTERFACE);
         let fixed = described && !self.dynamic.contains(&vk::DynamicState::VERTEX_INPUT_EXT);
         let state = Some(self.info.p_vertex_input_state).filter(|_| fixed)?;
         // SAFETY: the program's pointer, to a part that is described here.
-        unsafe { state.as_ref() }.map(|state| state.vertex_attribute_description_count)
+        unsafe { state.as_ref() }
+    }
+
+    /// Number of vertex attributes; `None` if this part does not describe them.
+    pub fn attributes(&self) -> Option<u32> {
+        self.vertex_input().map(|state| state.vertex_attribute_description_count)
+    }
+
+    /// Attributes of instances that may be columns of a matrix.
+    pub fn columns(&self) -> Vec<InstanceColumn> {
+        let Some(state) = self.vertex_input() else { return Vec::new() };
+        // SAFETY: the program's arrays.
+        let (bindings, attributes) = unsafe {
+            let bindings = slice(state.p_vertex_binding_descriptions, state.vertex_binding_description_count);
+            (bindings, slice(state.p_vertex_attribute_descriptions, state.vertex_attribute_description_count))
+        };
+        let column = |attribute: &vk::VertexInputAttributeDescription| {
+            let of_binding = bindings.iter().find(|binding| binding.binding == attribute.binding)?;
+            let is_column = attribute.format == vk::Format::R32G32B32A32_SFLOAT
+                && of_binding.input_rate == vk::VertexInputRate::INSTANCE;
+            let vk::VertexInputAttributeDescription { location, binding, offset, .. } = *attribute;
+            is_column.then_some(InstanceColumn { location, binding, offset, stride: of_binding.stride })
+        };
+        attributes.iter().filter_map(column).collect()
     }
 
     /// True if it has shaders, and so needs a layout.

@@ -6,6 +6,7 @@ pub mod create_info;
 pub mod stages;
 
 use crate::intercept::process::log;
+use crate::intercept::scene::flat_program::MissingLens;
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::spirv::{ComputeUse, DescriptorPlace, Matrix};
 use crate::lock::Lock;
@@ -75,6 +76,21 @@ pub struct Pipeline {
     pub(in crate::intercept::vk) scissor: Option<vk::Rect2D>,
     /// True if its vertices have no attributes.
     pub(in crate::intercept::vk) without_attributes: bool,
+    /// Attributes of instances that may be columns of a matrix.
+    pub(in crate::intercept::vk) columns: Vec<InstanceColumn>,
+}
+
+/// Four floats that each instance has as an attribute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InstanceColumn {
+    /// Location in the vertex shader.
+    pub(in crate::intercept::vk) location: u32,
+    /// Number of the vertex buffer.
+    pub(in crate::intercept::vk) binding: u32,
+    /// Offset in the data of an instance, in bytes.
+    pub(in crate::intercept::vk) offset: u32,
+    /// Distance of instances in bytes, unless the command that binds the buffer gives it.
+    pub(in crate::intercept::vk) stride: u32,
 }
 
 /// The pipelines for the views. Their viewport and scissor are set by commands.
@@ -87,6 +103,8 @@ pub struct Variants {
     pub(in crate::intercept::vk) panel: vk::Pipeline,
     /// Locations of the matrices that its shaders read.
     pub(in crate::intercept::vk) matrices: Vec<Matrix>,
+    /// Reason why its draws have no lens, if there are no matrices.
+    pub(in crate::intercept::vk) missing_lens: MissingLens,
     /// True if its fragment shader gets coordinates of the program's window, and the texels of the
     /// program's images.
     pub(in crate::intercept::vk) moves_place: bool,

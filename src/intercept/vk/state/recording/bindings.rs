@@ -29,6 +29,17 @@ impl BoundSet {
     }
 }
 
+/// A vertex buffer that the program bound.
+#[derive(Clone, Copy, Debug)]
+pub struct BoundVertices {
+    /// The buffer.
+    pub(in crate::intercept::vk) buffer: vk::Buffer,
+    /// Offset of its first vertex or instance.
+    pub(in crate::intercept::vk) offset: u64,
+    /// Distance of vertices or instances, if the command gives it.
+    pub(in crate::intercept::vk) stride: Option<u64>,
+}
+
 /// Content of descriptors.
 #[derive(Clone)]
 pub(in crate::intercept::vk) enum Content {

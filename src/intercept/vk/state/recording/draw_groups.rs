@@ -2,9 +2,10 @@
 //! submitted.
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
+use crate::intercept::process::small_window::SmallWindow;
 use crate::intercept::scene::camera::Cameras;
 use crate::intercept::scene::eye::Eye;
-use crate::intercept::scene::flat_program::FlatProgram;
+use crate::intercept::scene::flat_program::{FlatProgram, MissingLens, MissingLenses};
 use crate::intercept::scene::frame_order::FrameOrder;
 use crate::intercept::scene::lens::Told;
 use crate::intercept::scene::to_window::Area;
@@ -25,6 +26,8 @@ pub enum MatrixValue {
     Known([f32; 16]),
     /// In a buffer, at an offset.
     Buffer(vk::Buffer, u64),
+    /// Behind an address, at an offset from it. The address is in a buffer, at an offset.
+    AtAddress(vk::Buffer, u64, u64),
 }
 
 /// A matrix that may be the projection.
@@ -90,6 +93,8 @@ impl std::fmt::Debug for ShownLayout {
 pub struct DrawFacts {
     /// Matrices that may contain the lens, the likeliest first.
     pub(in crate::intercept::vk) sources: Vec<MatrixSource>,
+    /// Reason why they have no lens, if no matrix can be read.
+    pub(in crate::intercept::vk) missing_lens: MissingLens,
     /// True if y grows upwards in clip coordinates (viewport of negative height).
     pub(in crate::intercept::vk) y_up: bool,
     /// True if they are issued to the views, in addition to the panel.
@@ -167,6 +172,11 @@ impl DrawGroup {
         }
     }
 
+    /// Returns the reason why its draws have no lens, if they have none.
+    pub fn missing_lens(&self) -> MissingLens {
+        if self.matrices.is_empty() { self.facts.missing_lens } else { MissingLens::NoPerspective }
+    }
+
     /// Returns the number of its slots of view constants: for the views, the panel and the primary
     /// view.
     pub(in crate::intercept::vk) fn slots(&self) -> u32 {
@@ -215,6 +225,8 @@ pub struct Counts {
     pub(in crate::intercept::vk) left_out: u64,
     /// Number of draws by the way in which their lens was found.
     pub(in crate::intercept::vk) found: BTreeMap<&'static str, u64>,
+    /// Number of draws without a lens, by the reason.
+    pub(in crate::intercept::vk) missing: MissingLenses,
 }
 
 /// State of the frame that is being submitted.
@@ -229,6 +241,7 @@ pub struct Frame {
     pub(in crate::intercept::vk) order: FrameOrder,
     /// Test whether none of the program's draws is recognised as a scene.
     pub(in crate::intercept::vk) flat_program: FlatProgram,
+    pub(in crate::intercept::vk) small_window: SmallWindow,
     /// Counts for the statistics.
     pub(in crate::intercept::vk) counts: Counts,
 }
@@ -237,6 +250,11 @@ impl Frame {
     /// The lenses that the views are drawn with.
     pub fn cameras(&self) -> &Cameras {
         &self.cameras
+    }
+
+    /// The message for a program without a scene, if there was one.
+    pub fn flat_note(&self) -> Option<&str> {
+        self.flat_program.note()
     }
 
     /// Counts for the statistics.

@@ -64,6 +64,14 @@ impl DrawSize {
         }
     }
 
+    /// Returns the first instance; 0 if only the device knows it.
+    pub fn first_instance(&self) -> u32 {
+        match self {
+            Self::Known(parameters) => parameters.first_instance(),
+            Self::Unknown => 0,
+        }
+    }
+
     /// True if it has so few vertices that it may be one triangle or square over a viewport.
     pub fn may_cover_viewport(&self) -> bool {
         self.vertices() <= COVERING_VERTICES

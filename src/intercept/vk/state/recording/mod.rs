@@ -14,7 +14,7 @@ use crate::intercept::vk::state::driver::Driver;
 use crate::intercept::vk::state::images::LayoutChange;
 use crate::intercept::vk::state::pipelines::Pipeline;
 use crate::intercept::vk::state::queries::Pool;
-use crate::intercept::vk::state::recording::bindings::{BoundSet, PUSH_BYTES};
+use crate::intercept::vk::state::recording::bindings::{BoundSet, BoundVertices, PUSH_BYTES};
 use crate::intercept::vk::state::recording::compute_bindings::ComputeBindings;
 use crate::intercept::vk::state::recording::draw_groups::{DrawGroup, MatrixSource};
 use crate::intercept::vk::state::views::view_constants::{ConstantChunks, ConstantPool};
@@ -125,6 +125,8 @@ pub struct GraphicsState {
     pub(in crate::intercept::vk) bound: Vec<Option<BoundSet>>,
     /// First number from which on the program's sets are not bound on the device.
     pub(in crate::intercept::vk) displaced: Option<u32>,
+    /// Vertex buffers by their binding.
+    pub(in crate::intercept::vk) vertices: Vec<Option<BoundVertices>>,
     /// Push constants.
     pub(in crate::intercept::vk) push: [u8; PUSH_BYTES],
     /// The viewport that the program set.
@@ -136,6 +138,17 @@ pub struct GraphicsState {
 }
 
 impl GraphicsState {
+    /// Notes vertex buffers that are bound from the binding `first` on.
+    pub fn bind_vertices(&mut self, first: u32, bound: impl ExactSizeIterator<Item = BoundVertices>) {
+        let end = first as usize + bound.len();
+        if self.vertices.len() < end {
+            self.vertices.resize(end, None);
+        }
+        for (place, bound) in self.vertices.iter_mut().skip(first as usize).zip(bound) {
+            *place = Some(bound);
+        }
+    }
+
     /// Notes that sets of Cupola replace the program's from this number on.
     pub fn displace_from(&mut self, number: u32) {
         self.displaced = Some(self.displaced.map_or(number, |from| from.min(number)));
@@ -148,6 +161,7 @@ impl Default for GraphicsState {
             pipeline: None,
             current: vk::Pipeline::null(),
             bound: Vec::new(),
+            vertices: Vec::new(),
             displaced: None,
             push: [0; PUSH_BYTES],
             viewport: None,
