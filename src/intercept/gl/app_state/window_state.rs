@@ -8,7 +8,6 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::ListState;
 use crate::intercept::gl::context::list_recording::{self, Command};
-use crate::intercept::gl::framebuffer::commands::draw_buffers::ForeignReadBuffer;
 use crate::intercept::gl::framebuffer::target::attach::follow_size;
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::state::app::AppState;
@@ -25,41 +24,25 @@ pub fn push_attributes(driver: &Driver, app: &mut AppState, compat: &Compat, lis
     if app.can_push(0) {
         let raster = (mask & api::GL_CURRENT_BIT != 0).then(|| compat.saved_raster());
         let (saved, list_base, known) = (app.saved(), lists.base(), driver.known_state.clone());
-        let [draws_window, reads_window] = [app.draw_framebuffer(), app.read_framebuffer()].map(|name| name == 0);
-        app.push(Pushed { mask, saved, list_base, known, draws_window, reads_window, raster });
+        app.push(Pushed { mask, saved, list_base, known, raster });
     }
 }
 
 /// `glPopAttrib`. The driver restores the viewport and scissor of a tile. The values that the
 /// program has set come from Cupola's own stack.
 pub fn pop_attributes(ctx: &mut Context) {
-    let pushed = ctx.app.pop();
-    let foreign = pushed.as_ref().and_then(|pushed| ForeignReadBuffer::before(ctx, pushed));
     // SAFETY: the program's own call.
     unsafe { ctx.driver.gl.pop_attrib() };
     ctx.projected.note_switch();
-    let Some(Pushed { mask, saved, list_base, known, draws_window, reads_window, raster }) = pushed else {
+    let Some(Pushed { mask, saved, list_base, known, raster }) = ctx.app.pop() else {
         ctx.driver.known_state.forget();
         return;
     };
-    if let Some(foreign) = foreign {
-        foreign.after(ctx);
-    }
-    // The buffers of the window stay while a framebuffer of the program is bound.
-    let mut groups = mask;
-    for (pushed, now, group) in [
-        (draws_window, ctx.app.draw_framebuffer(), api::GL_COLOR_BUFFER_BIT),
-        (reads_window, ctx.app.read_framebuffer(), api::GL_PIXEL_MODE_BIT),
-    ] {
-        if !pushed || now != 0 {
-            groups &= !group;
-        }
-    }
     ctx.driver.known_state.restored(&known);
     if let Some(raster) = raster {
         ctx.compat.restore_raster(raster);
     }
-    ctx.app.restore(groups, &saved);
+    ctx.app.restore(mask, &saved);
     ctx.driver.forget_window_space(mask);
     if mask & api::GL_ENABLE_BIT != 0 && ctx.driver.profile.version >= 30 {
         let discard = ctx.driver.known_state.is_on(ctx.driver.gl, api::GL_RASTERIZER_DISCARD);

@@ -7,7 +7,6 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
 use crate::intercept::gl::offscreen::view_copies;
-use crate::intercept::gl::state::app::attribute_stack::Pushed;
 
 /// True if `buffer` is a name of the window's colour buffers.
 fn is_window_buffer(buffer: u32) -> bool {
@@ -122,46 +121,6 @@ pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const
     }
     // SAFETY: the array has at least `count` names.
     unsafe { gl.draw_buffers(count, translated.as_ptr()) };
-}
-
-/// A read buffer that was pushed while the window was bound and is popped while a framebuffer of the
-/// program is bound, or the other way round. To the driver both are framebuffer objects.
-pub struct ForeignReadBuffer {
-    /// Read buffer of the bound framebuffer.
-    before: u32,
-    /// Read buffer of the window that was pushed; `None`: that of another framebuffer was.
-    of_window: Option<u32>,
-}
-
-impl ForeignReadBuffer {
-    /// Returns the buffers before `pushed` is popped. `None`: the driver can restore the read buffer.
-    pub fn before(ctx: &Context, pushed: &Pushed) -> Option<Self> {
-        let is_window = ctx.app.read_framebuffer() == 0;
-        let foreign = pushed.reads_window != is_window && pushed.mask & api::GL_PIXEL_MODE_BIT != 0;
-        (foreign && ctx.drawable.target().is_some()).then(|| Self {
-            before: integer(ctx.driver.gl, api::GL_READ_BUFFER) as u32,
-            of_window: pushed.reads_window.then_some(pushed.saved.read_buffer),
-        })
-    }
-
-    /// Does what `glPopAttrib` does without Cupola, after the driver has popped the buffer. Mesa
-    /// selects the pushed buffer unless the window has it already.
-    pub fn after(&self, ctx: &mut Context) {
-        let gl = ctx.driver.gl;
-        let popped = self.of_window.unwrap_or_else(|| integer(gl, api::GL_READ_BUFFER) as u32);
-        let is_selected = popped != ctx.app.read_buffer();
-        if is_selected && popped == api::GL_NONE {
-            if ctx.reads_redirected() {
-                ctx.app.set_read_buffer(popped);
-            }
-            return;
-        }
-        // SAFETY: the buffer that the framebuffer had.
-        unsafe { gl.read_buffer(self.before) };
-        if is_selected {
-            ctx.driver.note_error(api::GL_INVALID_OPERATION);
-        }
-    }
 }
 
 hooks! {

@@ -13,10 +13,6 @@ pub struct Pushed {
     pub(in crate::intercept::gl) saved: SavedAppState,
     pub(in crate::intercept::gl) list_base: u32,
     pub(in crate::intercept::gl) known: KnownState,
-    /// True if the window was drawn to, not a framebuffer of the program.
-    pub(in crate::intercept::gl) draws_window: bool,
-    /// True if the window was read from.
-    pub(in crate::intercept::gl) reads_window: bool,
     /// Raster position, if current attributes are saved.
     pub(in crate::intercept::gl) raster: Option<RasterPosition>,
 }
