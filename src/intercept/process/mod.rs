@@ -8,7 +8,6 @@
 //! - [`publishing`]: who gets the finished pictures?
 //! - [`small_window`]: has the window too few pixels for the outputs?
 //! - [`signals`], [`ending`]: does the process end?
-//! - [`xcb`]: how large is a window of X11?
 
 pub mod call_sum;
 pub mod clock;
@@ -21,4 +20,3 @@ pub mod publishing;
 pub mod settings;
 pub mod signals;
 pub mod small_window;
-pub mod xcb;

@@ -13,8 +13,7 @@ use crate::intercept::gl::per_view::wide_primitives;
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::{conditional_render, results};
 use crate::intercept::gl::shader::{
-    assembly, introspection, linking, program_pipelines, program_use, refused_locations, relinking, summed_uniforms,
-    uniform_commands,
+    assembly, introspection, linking, program_pipelines, program_use, summed_uniforms, uniform_commands,
 };
 use crate::intercept::gl::vertex_input::{buffers, named_buffers_ext, vertex_array_commands};
 use crate::intercept::process::nodes;
@@ -59,8 +58,8 @@ fn table() -> &'static HashMap<&'static str, usize> {
             introspection::HOOKS,
             assembly::HOOKS,
             uniform_commands::HOOKS,
-            refused_locations::HOOKS,
-            relinking::HOOKS,
+            uniform_commands::refused_locations::HOOKS,
+            linking::relinking::HOOKS,
             vertex_array_commands::HOOKS,
             projected_vertices::HOOKS,
             getters::HOOKS,

@@ -1,12 +1,12 @@
 //! The program's shaders.
 //!
-//! Hooks of compiling and linking are in [`linking`] and [`relinking`], those of using programs in
-//! [`program_use`] and [`program_pipelines`], those of matrices in [`uniform_commands`], those of
-//! questions about programs in [`introspection`] and [`refused_locations`]. [`programs`],
-//! [`uniforms`] and [`attribute_matrices`] find the lens. [`source`] reads the texts of shaders and
-//! changes them, [`assembly`] those of ARB programs. [`camera_matrices`] lets shaders choose between
-//! the program's matrices of its camera and those of a view. [`position`] finds in the linked program
-//! what the text proves, [`counters`] its atomic counters.
+//! Hooks of compiling and linking are in [`linking`], those of using programs in [`program_use`]
+//! and [`program_pipelines`], those of matrices in [`uniform_commands`], those of questions about
+//! programs in [`introspection`]. [`programs`], [`uniforms`] and [`attribute_matrices`] find the
+//! lens. [`source`] reads the texts of shaders and changes them, [`assembly`] those of ARB
+//! programs. [`camera_matrices`] lets shaders choose between the program's matrices of its camera
+//! and those of a view. [`position`] finds in the linked program what the text proves, [`counters`]
+//! its atomic counters.
 
 pub mod assembly;
 pub mod attribute_matrices;
@@ -18,8 +18,6 @@ pub mod position;
 pub mod program_pipelines;
 pub mod program_use;
 pub mod programs;
-pub mod refused_locations;
-pub mod relinking;
 pub mod samplers;
 pub mod source;
 pub mod summed_uniforms;

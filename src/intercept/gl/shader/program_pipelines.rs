@@ -46,6 +46,15 @@ pub fn lens(ctx: &mut Context, program: &Program) -> ProgramLens {
     ProgramLens::Flat
 }
 
+/// Calls `note` with the program that `glUniform` sets.
+pub(super) fn with_current<T>(share: &ShareGroup, shaders: &Shaders, note: impl FnOnce(Option<&Program>) -> T) -> T {
+    if shaders.used() != 0 {
+        note(shaders.program().map(|program| &**program))
+    } else {
+        note(active(share, shaders).as_deref())
+    }
+}
+
 hooks! {
     "glBindProgramPipeline" bind_program_pipeline(pipeline: u32) = |ctx, gl| {
         gl.bind_program_pipeline(pipeline);

@@ -2,8 +2,8 @@
 //! asks for the size of a swapchain.
 
 use crate::intercept::process::settings;
-use crate::intercept::process::xcb::XcbWindow;
 use crate::intercept::vk::state::driver::instance::{self, Instance, Surface};
+use crate::intercept::vk::state::driver::xcb::XcbWindow;
 use crate::lock::Lock;
 use ash::vk;
 use std::ffi::{CStr, c_void};

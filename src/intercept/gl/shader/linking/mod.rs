@@ -1,5 +1,6 @@
 //! Compiling and linking of the program's shaders, with texts that Cupola changes ([`texts`]).
 
+pub mod relinking;
 pub mod texts;
 
 use crate::backend::gl::driver::api::{self, Gl};
@@ -12,7 +13,7 @@ use crate::intercept::gl::shader::programs::forget_program;
 use crate::intercept::gl::shader::source::patch;
 use crate::intercept::gl::shader::source::{compute, dependence};
 use crate::intercept::gl::shader::uniforms::location;
-use crate::intercept::gl::shader::{attribute_matrices, camera_matrices, counters, relinking, samplers, uniforms};
+use crate::intercept::gl::shader::{attribute_matrices, camera_matrices, counters, samplers, uniforms};
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::shader::position_names::PositionNames;

@@ -1,6 +1,6 @@
 //! Instances: the next layer's functions for each.
 
-use crate::intercept::process::xcb::XcbWindow;
+use crate::intercept::vk::state::driver::xcb::XcbWindow;
 use crate::lock::SharedLock;
 use ash::vk;
 use std::collections::HashMap;

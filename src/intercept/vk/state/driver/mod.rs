@@ -2,12 +2,14 @@
 //!
 //! [`instance`] holds the next layer's functions for an instance. [`entry_points`] holds the
 //! functions of a device that hooks call. [`structures`] reads the structures that the program
-//! passes to Vulkan. [`own_image`] makes images of Cupola. Nothing here depends on views.
+//! passes to Vulkan. [`own_image`] makes images of Cupola. [`xcb`] asks for sizes of X11 windows.
+//! Nothing here depends on views.
 
 pub mod entry_points;
 pub mod instance;
 pub mod own_image;
 pub mod structures;
+pub mod xcb;
 
 use crate::backend::vk::Api;
 use crate::intercept::vk::state::driver::instance::Instance;

@@ -1,10 +1,11 @@
-//! Commands that set a program's matrices.
+//! Commands that set a program's matrices. [`refused_locations`] keeps them from Cupola's uniforms.
 
-use crate::intercept::gl::context::gl_context::ShareGroup;
+pub mod refused_locations;
+
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::shader::program_pipelines::with_current;
+use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::shader::uniforms::MOST_NAMED;
-use crate::intercept::gl::shader::{program_pipelines, programs, refused_locations};
-use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::programs::Program;
 use crate::intercept::process::call_sum;
 use crate::intercept::scene::lens::transposed;
@@ -57,15 +58,6 @@ unsafe fn note_vectors(program: Option<&Program>, location: i32, count: i32, val
         // SAFETY: as promised above.
         let vector = unsafe { value.cast::<[f32; 4]>().add(number as usize).read_unaligned() };
         uniforms.set_vector(location.saturating_add(number), vector);
-    }
-}
-
-/// Calls `note` with the program that `glUniform` sets.
-pub(super) fn with_current<T>(share: &ShareGroup, shaders: &Shaders, note: impl FnOnce(Option<&Program>) -> T) -> T {
-    if shaders.used() != 0 {
-        note(shaders.program().map(|program| &**program))
-    } else {
-        note(program_pipelines::active(share, shaders).as_deref())
     }
 }
 
