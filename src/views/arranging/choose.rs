@@ -9,7 +9,7 @@ use crate::views::arranging::partition::{Partition, Task, WideCell, diagram};
 use crate::views::arranging::planned_view::{Arrangement, PlannedView};
 use crate::views::fitting::axes::facing;
 use crate::views::sampling::effort::{Effort, MOST_PLACES};
-use crate::views::sampling::output_map::{OutputMap, lens_rotation, viewer_rotation};
+use crate::views::sampling::output_map::{OutputMap, lens_rotation};
 use crate::views::sampling::sample::mean_direction;
 use crate::views::sampling::samples::Samples;
 use crate::views::view_plan::LEFT_OUT;
@@ -246,10 +246,7 @@ fn share_equals(views: &mut Vec<PlannedView>) {
 }
 
 /// Returns the frames (local → viewer axes) for which cubes are tried: those of domemasters and
-/// panoramas, the viewer's, one that looks at the middle of all samples, and the dome's.
-///
-/// A cube that stands on a dome's rim cuts a hemisphere into as few cells whatever way the viewer
-/// looks.
+/// panoramas, the viewer's, and one that looks at the middle of all samples.
 pub(in crate::views) fn frames(rig: &Rig, sharing: &[usize], samples: &[&Samples]) -> Vec<DMat3> {
     let middle: DVec3 = samples.iter().map(|samples| mean_direction(samples.iter())).sum();
     let lenses = sharing.iter().filter_map(|&index| match rig.outputs[index].kind {
@@ -257,9 +254,8 @@ pub(in crate::views) fn frames(rig: &Rig, sharing: &[usize], samples: &[&Samples
         OutputKind::Panorama { angles: [yaw, pitch, roll], .. } => Some(pose::rotation(yaw, pitch, roll)),
         _ => None,
     });
-    let dome = rig.screen.is_none().then(|| viewer_rotation(rig).transpose() * lens_rotation(rig.dome.tilt));
     let mut frames: Vec<DMat3> = Vec::new();
-    for frame in lenses.chain([DMat3::IDENTITY, facing(middle)]).chain(dome) {
+    for frame in lenses.chain([DMat3::IDENTITY, facing(middle)]) {
         if !frames.iter().any(|other| other.abs_diff_eq(frame, 1e-6)) {
             frames.push(frame);
         }
