@@ -301,7 +301,7 @@ const OTHERS: [(&str, (u32, u32)); 3] =
 
 /// An import with the tilt that the operator adds.
 #[test]
-fn an_imported_dome_costs_the_same_at_every_size() {
+fn an_imported_dome_costs_no_more_at_any_size() {
     let sizes = [(240, 135), (480, 270), (640, 360), (960, 540), (1920, 1080)];
     for (preset, size) in sizes.map(|size| ("planetarium-6", size)).into_iter().chain(OTHERS) {
         let source = file(&format!("sized-{preset}-{}.toml", size.0));
@@ -317,7 +317,7 @@ fn an_imported_dome_costs_the_same_at_every_size() {
         let what = format!("{preset} {size:?}");
         println!("{what}: {found_views} of {views} views, cost {:.4}", found / cost);
         let most = if preset == "planetarium-6" { 1.02 } else { 1.05 };
-        assert!((0.98..most).contains(&(found / cost)), "{what}: {found} instead of {cost}");
+        assert!(found / cost < most, "{what}: {found} instead of {cost}");
     }
 }
 
