@@ -48,9 +48,6 @@ pub fn look(ctx: &mut Context, main: bool) -> Shows {
         }
         Ok(_) => {
             // A small picture in the window shows the view of the program's own lens.
-            for (_, image) in ctx.view_copies.images.iter_mut().enumerate().filter(|(i, _)| sampled >> i & 1 != 0) {
-                image.shown_small = true;
-            }
             supply(ctx, sampled, own_tile(&ctx.drawable, &ctx.view_copies));
             Shows::Nothing
         }

@@ -174,9 +174,10 @@ fn take_measurements(ctx: &mut Context) {
     let mut parts = Vec::new();
     let ViewCopies { coverage, images, learnt, .. } = &mut ctx.view_copies;
     *learnt |= coverage.take_results(gl, |set, part| {
-        parts.extend((set != 0).then_some(part));
-        for image in images.iter_mut().enumerate().take(64).filter(|(i, _)| set >> i & 1 != 0).map(|(_, image)| image) {
-            image.displayed = true;
+        parts.extend(part.filter(|_| set != 0));
+        for (_, image) in images.iter_mut().enumerate().take(64).filter(|(i, _)| set >> i & 1 != 0) {
+            image.displayed |= part.is_some();
+            image.shown_small |= part.is_none();
         }
     });
     parts.into_iter().for_each(|part| ctx.view_copies.note_part(part));

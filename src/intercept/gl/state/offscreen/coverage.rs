@@ -113,9 +113,9 @@ impl Coverage {
         }
     }
 
-    /// Reads the results of measurements. Calls `found` with the images that fill a window or a large
-    /// part of it, and with this part. Returns true if there are any results.
-    pub fn take_results(&mut self, gl: &Gl, mut found: impl FnMut(Set, LowerLeftRect)) -> bool {
+    /// Reads the results of measurements. Calls `found` with the images that are shown, and with the
+    /// large part of the window that they fill, if they do. Returns true if there are any results.
+    pub fn take_results(&mut self, gl: &Gl, mut found: impl FnMut(Set, Option<LowerLeftRect>)) -> bool {
         let mut any = false;
         for kind in &mut self.0 {
             let state = match kind.state {
@@ -134,7 +134,7 @@ impl Coverage {
                 }
                 _ => continue,
             };
-            if let State::Known(Some(part)) = state {
+            if let State::Known(part) = state {
                 found(kind.signature.sampled, part);
             }
             kind.state = state;

@@ -115,6 +115,9 @@ impl Pass {
     }
 }
 
+/// Greatest number of bindings of vertex buffers that are followed.
+const MOST_BINDINGS: usize = 64;
+
 /// State that is bound and set for graphics while a command buffer is recorded.
 pub struct GraphicsState {
     /// The bound pipeline.
@@ -138,9 +141,13 @@ pub struct GraphicsState {
 }
 
 impl GraphicsState {
-    /// Notes vertex buffers that are bound from the binding `first` on.
+    /// Notes vertex buffers that are bound from the binding `first` on. Bindings beyond
+    /// [`MOST_BINDINGS`], more than drivers have, are not followed.
     pub fn bind_vertices(&mut self, first: u32, bound: impl ExactSizeIterator<Item = BoundVertices>) {
-        let end = first as usize + bound.len();
+        let end = (first as usize).saturating_add(bound.len());
+        if end > MOST_BINDINGS {
+            return;
+        }
         if self.vertices.len() < end {
             self.vertices.resize(end, None);
         }
