@@ -142,7 +142,7 @@ pub struct GraphicsState {
 
 impl GraphicsState {
     /// Notes vertex buffers that are bound from the binding `first` on. Bindings beyond
-    /// [`MOST_BINDINGS`], more than drivers have, are not followed.
+    /// `MOST_BINDINGS`, more than drivers have, are not followed.
     pub fn bind_vertices(&mut self, first: u32, bound: impl ExactSizeIterator<Item = BoundVertices>) {
         let end = (first as usize).saturating_add(bound.len());
         if end > MOST_BINDINGS {
