@@ -1,5 +1,5 @@
-//! Vulkan programs whose camera matrix is in a vertex attribute, behind an address, or where Cupola
-//! cannot read it.
+//! Vulkan programs whose camera matrix is in a vertex attribute, behind an address, in memory of the
+//! device, or where Cupola cannot read it.
 
 use crate::compare::{compare, expect_good};
 use crate::dialects::{CAMERAS, camera_of, given_lens, shown_by_fisheye, shown_by_window};
@@ -8,7 +8,7 @@ use crate::programs::Run;
 use crate::reference::Fisheye;
 
 tests! {
-    matrices_in_attributes_and_behind_addresses,
+    matrices_in_attributes_behind_addresses_and_in_copies,
     flat_drawing_with_such_matrices,
     matrices_that_cannot_be_read,
     programs_without_a_lens_are_told_why,
@@ -22,7 +22,7 @@ fn run<'a>(extra: &'a [&'a str]) -> Run<'a> {
 }
 
 /// The program shows the predicted picture, without Cupola and on a dome.
-fn matrices_in_attributes_and_behind_addresses() {
+fn matrices_in_attributes_behind_addresses_and_in_copies() {
     for way in [
         &["--matrix", "instance"][..],
         &["--matrix", "instance", "--secondary", "--once", "--pass", "dynamic"],
@@ -30,6 +30,8 @@ fn matrices_in_attributes_and_behind_addresses() {
         &["--matrix", "address"],
         &["--matrix", "address", "--secondary", "--flip", "--samples", "4"],
         &["--matrix", "address-in-block", "--once"],
+        &["--matrix", "large"],
+        &["--matrix", "large", "--secondary", "--once"],
     ] {
         let extra = [way, &["--shot", "shot.ppm"]].concat();
         let run = run(&extra);
@@ -58,7 +60,7 @@ fn flat_drawing_with_such_matrices() {
 
 /// What is drawn with such a matrix is flat. With a rig that gives the lens the picture is right.
 fn matrices_that_cannot_be_read() {
-    for matrix in ["vertices", "address-sum", "large"] {
+    for matrix in ["vertices", "address-sum", "filled"] {
         given_lens(&format!("vulkan-{matrix}"), &run(&["--matrix", matrix]), Run::vulkan_under);
     }
 }
@@ -69,7 +71,7 @@ fn programs_without_a_lens_are_told_why() {
         (&["--columns"][..], "make the matrix of other numbers"),
         (&["--matrix", "vertices"], "in a vertex attribute that cannot be read"),
         (&["--matrix", "address-sum"], "at an address that cannot be followed"),
-        (&["--matrix", "large"], "in memory that only the device can read"),
+        (&["--matrix", "filled"], "in memory that only the device can read"),
         (&["--flat", "only"], "have no perspective"),
     ] {
         let extra = [way, &["--draws", "120"]].concat();

@@ -450,7 +450,11 @@ static void record(uint32_t index)
                                         .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
                                         .dstAccessMask = VK_ACCESS_UNIFORM_READ_BIT | VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT};
         const VkPipelineStageFlags readers = VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_VERTEX_SHADER_BIT;
-        vkCmdCopyBuffer(buffer, staging[index].buffer, blocks[index].buffer, 1, &region);
+        const uint32_t *words = (const uint32_t *)staging[index].bytes;
+        if (options.matrix != MATRIX_FILLED)
+            vkCmdCopyBuffer(buffer, staging[index].buffer, blocks[index].buffer, 1, &region);
+        for (uint32_t at = 0; options.matrix == MATRIX_FILLED && at < block_size(); at += 4)
+            vkCmdFillBuffer(buffer, blocks[index].buffer, at, 4, words[at / 4]);
         vkCmdPipelineBarrier(buffer, VK_PIPELINE_STAGE_TRANSFER_BIT, readers, 0, 1, &copied, 0, NULL, 0, NULL);
     }
     if (options.pass == PASS_DYNAMIC)

@@ -24,7 +24,8 @@ bool has_attribute(void)
 
 bool copies(void)
 {
-    return options.matrix == MATRIX_COPIED || options.matrix == MATRIX_LARGE || options.matrix == MATRIX_INSTANCE_COPIED;
+    return options.matrix == MATRIX_COPIED || options.matrix == MATRIX_LARGE || options.matrix == MATRIX_FILLED ||
+           options.matrix == MATRIX_INSTANCE_COPIED;
 }
 
 VkDeviceSize block_size(void)

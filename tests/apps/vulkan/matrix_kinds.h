@@ -15,9 +15,9 @@ bool has_push(void);
 bool of_instances(void);
 /* Whether the matrix is an attribute. */
 bool has_attribute(void);
-/* Whether the matrix is copied to memory of the device. */
+/* Whether commands write the matrix to memory of the device. */
 bool copies(void);
-/* Size of a block: that of its matrices, or more than is read with each copy. */
+/* Size of a block: that of its matrices, or more than Cupola stores of a copy. */
 VkDeviceSize block_size(void);
 /* Vertex input with the matrix; null if it is no attribute. */
 const VkPipelineVertexInputStateCreateInfo *matrix_input(void);

@@ -9,7 +9,7 @@ vulkan_options options = {.direction = DIRECTION_DEFAULTS, .samples = 1, .draws 
 static void usage(void)
 {
     fprintf(stderr, "usage: vk_cube " DIRECTION_USAGE "\n"
-                    "  [--samples N] [--pass 1|2|dynamic|imageless] [--matrix push|block|dynamic|copied|pushed|instance|instance-copied|vertices|address|address-in-block|address-sum|large] [--once] [--srgb] [--flip]\n"
+                    "  [--samples N] [--pass 1|2|dynamic|imageless] [--matrix push|block|dynamic|copied|pushed|instance|instance-copied|vertices|address|address-in-block|address-sum|large|filled] [--once] [--srgb] [--flip]\n"
                     "  [--follow] [--secondary] [--indirect] [--fixed] [--columns] [--copy-window] [--flat over|before|only] [--depth cleared|drawn|readable] [--array columns|rows|row-vector] [--cells triangles|ball|behind|points]\n"
                     "  [--stage vertex|geometry|tessellation] [--resizes N] [--memory FILE] [--draws N] [--clip] [--place]\n");
     exit(2);
@@ -45,7 +45,8 @@ void parse(int argc, char **argv)
 {
     static const char *const passes[] = {"1", "2", "dynamic", "imageless"};
     static const char *const matrices[] = {"push", "block", "dynamic", "copied", "pushed", "instance",
-                                           "instance-copied", "vertices", "address", "address-in-block", "address-sum", "large"};
+                                           "instance-copied", "vertices", "address", "address-in-block", "address-sum",
+                                           "large", "filled"};
     static const char *const cells[] = {"none", "triangles", "ball", "behind", "points"};
     static const char *const stages[] = {"vertex", "geometry", "tessellation"};
     static const char *const flats[] = {"none", "over", "before", "only"};
@@ -67,7 +68,7 @@ void parse(int argc, char **argv)
         else if (strcmp(option, "--pass") == 0)
             options.pass = (pass_kind)known(value, passes, 4);
         else if (strcmp(option, "--matrix") == 0)
-            options.matrix = (matrix_kind)known(value, matrices, 12);
+            options.matrix = (matrix_kind)known(value, matrices, 13);
         else if (strcmp(option, "--flat") == 0)
             options.flat = known(value, flats, 4);
         else if (strcmp(option, "--depth") == 0)

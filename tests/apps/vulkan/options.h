@@ -17,7 +17,8 @@ typedef enum {
     MATRIX_ADDRESS, /* behind an address in push constants */
     MATRIX_ADDRESS_IN_BLOCK,
     MATRIX_ADDRESS_SUM, /* as MATRIX_ADDRESS, with a number that the shader adds */
-    MATRIX_LARGE /* copied together with much else */
+    MATRIX_LARGE, /* copied together with much else */
+    MATRIX_FILLED /* written by fills, number by number */
 } matrix_kind;
 
 typedef enum { CELLS_NONE, CELLS_TRIANGLES, CELLS_BALL, CELLS_BEHIND, CELLS_POINTS } cells_kind;

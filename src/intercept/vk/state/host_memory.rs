@@ -25,6 +25,26 @@ pub(in crate::intercept::vk) struct Mapping {
 /// Greatest number of bytes that are stored for one buffer.
 pub(in crate::intercept::vk) const MOST_KEPT: u64 = 1 << 16;
 
+/// A copy between buffers that is too large to be stored. Of its bytes those are stored that somebody
+/// reads.
+#[derive(Clone, Copy)]
+struct LargeCopy {
+    from: vk::Buffer,
+    to: vk::Buffer,
+    region: vk::BufferCopy,
+}
+
+impl LargeCopy {
+    /// Returns the place in the source of what is copied to `offset`, up to `end`.
+    fn source(&self, buffer: vk::Buffer, offset: u64, end: u64) -> Option<(vk::Buffer, u64)> {
+        let start = offset.checked_sub(self.region.dst_offset).filter(|_| self.to == buffer)?;
+        (end - self.region.dst_offset <= self.region.size).then_some((self.from, self.region.src_offset + start))
+    }
+}
+
+/// Greatest number of large copies that are known.
+const MOST_LARGE_COPIES: usize = 256;
+
 /// Buffers and mapped memory.
 #[derive(Default)]
 pub struct HostMemory {
@@ -35,11 +55,18 @@ pub struct HostMemory {
     /// True if a pipeline has a matrix among its attributes. What is copied to buffers of vertices
     /// is kept from then on.
     keeps_vertices: AtomicBool,
+    /// Large copies of this frame, in their order: their sources may get other content after it.
+    large_copies: Mutex<Vec<LargeCopy>>,
 }
 
 impl HostMemory {
     /// Reads the content of a buffer at `offset`. Returns `false` if it is unknown.
     pub fn read(&self, buffer: vk::Buffer, offset: u64, to: &mut [u8]) -> bool {
+        self.read_after(buffer, offset, to, MOST_LARGE_COPIES)
+    }
+
+    /// Reads what a buffer holds after the first `copies` large copies.
+    fn read_after(&self, buffer: vk::Buffer, offset: u64, to: &mut [u8], copies: usize) -> bool {
         let buffers = self.buffers.locked();
         let Some(state) = buffers.get(&buffer) else { return false };
         let Some(end) = offset.checked_add(to.len() as u64).filter(|end| *end <= state.size) else { return false };
@@ -48,6 +75,18 @@ impl HostMemory {
             let start = (offset - at) as usize;
             to.copy_from_slice(&bytes[start..start + to.len()]);
             return true;
+        }
+        let source = self.large_copies.locked().iter().enumerate().take(copies).rev().find_map(|(index, copy)| {
+            let (from, start) = copy.source(buffer, offset, end)?;
+            Some((from, start, index))
+        });
+        if let Some((from, start, earlier)) = source {
+            drop(buffers);
+            let is_known = self.read_after(from, start, to, earlier);
+            if is_known {
+                self.written(buffer, offset, to.to_vec());
+            }
+            return is_known;
         }
         let mapped = self.mapped.locked();
         let Some(mapping) = mapped.get(&state.memory) else { return false };
@@ -81,6 +120,7 @@ impl HostMemory {
     /// Forgets a buffer that is destroyed.
     pub fn forget(&self, buffer: vk::Buffer) {
         self.buffers.locked().remove(&buffer);
+        self.large_copies.locked().retain(|copy| copy.from != buffer && copy.to != buffer);
         self.addresses.locked().retain(|_, known| *known != buffer);
     }
 
@@ -103,13 +143,46 @@ impl HostMemory {
     /// Stores the bytes that a copy writes to a buffer, if both buffers are known.
     pub fn copied(&self, from: vk::Buffer, to: vk::Buffer, region: &vk::BufferCopy) {
         let wanted = self.buffers.locked().get(&to).is_some_and(|buffer| self.keeps(buffer));
-        if !wanted || region.size > MOST_KEPT {
+        if !wanted {
             return;
+        }
+        if region.size > MOST_KEPT {
+            return self.copied_much(LargeCopy { from, to, region: *region });
         }
         let mut bytes = vec![0; region.size as usize];
         if self.read(from, region.src_offset, &mut bytes) {
             self.written(to, region.dst_offset, bytes);
         }
+    }
+
+    /// Notes a large copy, and stores those of its bytes that were stored before.
+    fn copied_much(&self, copy: LargeCopy) {
+        let LargeCopy { to, region, .. } = copy;
+        let mut stored = Vec::new();
+        if let Some(state) = self.buffers.locked().get_mut(&to) {
+            let copied = region.dst_offset..region.dst_offset.saturating_add(region.size);
+            state.written.retain(|(at, bytes)| {
+                let end = at + bytes.len() as u64;
+                if copied.start <= *at && end <= copied.end {
+                    stored.push((*at, bytes.len()));
+                }
+                end <= copied.start || copied.end <= *at
+            });
+        }
+        let mut copies = self.large_copies.locked();
+        if copies.len() == MOST_LARGE_COPIES {
+            copies.remove(0);
+        }
+        copies.push(copy);
+        drop(copies);
+        for (at, length) in stored {
+            self.read(to, at, &mut vec![0; length]);
+        }
+    }
+
+    /// Ends a frame: the program may write to the sources of its copies.
+    pub fn end_frame(&self) {
+        self.large_copies.locked().clear();
     }
 
     pub(in crate::intercept::vk) fn bound(&self, buffer: vk::Buffer, memory: vk::DeviceMemory, offset: u64) {
@@ -131,7 +204,7 @@ impl HostMemory {
 
 #[cfg(test)]
 mod tests {
-    use super::{HostMemory, KnownBuffer};
+    use super::{HostMemory, KnownBuffer, MOST_KEPT};
     use ash::vk::{self, Handle};
 
     fn with_buffer() -> (HostMemory, vk::Buffer) {
@@ -196,5 +269,40 @@ mod tests {
         memory.copied(buffer, buffer, &region);
         let mut read = [0; 4];
         assert!(memory.read(buffer, 40, &mut read) && read == [4, 5, 6, 7]);
+    }
+
+    #[test]
+    fn of_large_copies_is_stored_what_is_read() {
+        let [from, to, last] = [1, 2, 3].map(vk::Buffer::from_raw);
+        let [host, device] = [4, 5].map(vk::DeviceMemory::from_raw);
+        let (memory, size) = (HostMemory::default(), 2 * MOST_KEPT);
+        for (handle, of) in [(from, host), (to, device), (last, device)] {
+            let buffer = KnownBuffer { memory: of, offset: 0, size, of_vertices: false, written: Vec::new() };
+            memory.buffers.lock().expect("no panic").insert(handle, buffer);
+        }
+        let mut bytes: Vec<u8> = (0..size).map(|at| (at % 251) as u8).collect();
+        memory.map(host, bytes.as_mut_ptr() as usize);
+        let region = vk::BufferCopy { src_offset: 8, dst_offset: 16, size: size - 16 };
+        let read = |at: u64| {
+            let mut read = [0; 4];
+            memory.read(to, at, &mut read).then_some(read)
+        };
+        assert_eq!(read(100), None, "nothing was copied yet");
+        memory.written(to, 14, vec![9; 4]);
+        memory.copied(from, to, &region);
+        assert_eq!(read(100), Some([92, 93, 94, 95]));
+        assert_eq!([read(8), read(size - 2)], [None, None], "beside the copy");
+        assert_eq!(read(14), None, "written before the copy, which covers half of it");
+        memory.end_frame();
+        bytes.fill(7);
+        assert_eq!((read(100), read(200)), (Some([92, 93, 94, 95]), None), "the copy's content stays");
+        memory.copied(from, to, &region);
+        memory.end_frame();
+        assert_eq!(read(100), Some([7; 4]), "what was read once is stored by each copy");
+        memory.copied(from, to, &region);
+        memory.copied(to, last, &region);
+        let mut copied = [0; 4];
+        assert!(memory.read(last, 500, &mut copied) && copied == [7; 4], "through both copies");
+        assert!(memory.buffers.lock().expect("no panic")[&to].written.len() < 4);
     }
 }

@@ -59,6 +59,7 @@ pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::Present
     }
     // SAFETY: the program's own call; the structure differs only in its semaphores.
     let result = unsafe { (device.driver.swapchain.queue_present_khr)(queue, &changed) };
+    device.host_memory.end_frame();
     if last {
         last_frame::end_program();
     }
