@@ -49,12 +49,22 @@ impl Frame {
             self.layout = Some(Arc::clone(layout));
             self.cameras.clear();
             self.sampled = None;
-            self.behind = layout.session.panel_rows().iter().map(ReprojectionMatrix::of).collect();
+            self.behind_part = None;
         }
     }
 }
 
 impl Frame {
+    /// Computes the matrices that show, in each view, the panel or the part of it that belongs to an
+    /// image of this layout.
+    fn prepare_behind(&mut self, layout: &AtlasLayout) {
+        let part = layout.panel_part();
+        if self.behind_part.replace(part) != Some(part) {
+            let rows = layout.session.panel_rows();
+            self.behind = rows.iter().map(|whole| ReprojectionMatrix::of(&part.reprojection(whole))).collect();
+        }
+    }
+
     /// Returns the number of samples that show the field of view of a lens, in all views. `own`:
     /// number of samples of the primary view.
     fn samples(&mut self, lens: &Intrinsics, layout: &AtlasLayout, own: f64) -> f64 {
@@ -171,6 +181,9 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     camera.into_iter().for_each(|index| frame.cameras.show(index));
     if group.last != Some(outcome) || functions_changed {
         group.last = Some(outcome);
+        if outcome == DrawClass::Behind {
+            frame.prepare_behind(&group.layout);
+        }
         camera_matrices::write(device, group, outcome, &mut frame, chunks);
         let of_views = match camera {
             Some(index) => frame.cameras.get(index).map(|camera| &camera.reprojections),
@@ -220,7 +233,10 @@ fn classify(
     let facts = &group.facts;
     match settled {
         Some((intrinsics, how)) => {
-            frame.order.note_scene();
+            // Flat drawing in the window is beside a part, and not behind it.
+            if group.layout.part.is_none() {
+                frame.order.note_scene();
+            }
             *frame.counts.found.entry(how).or_default() += group.draws;
             DrawClass::Scene(intrinsics)
         }

@@ -37,13 +37,24 @@ const PATIENCE: u32 = 60;
 #[derive(Default)]
 pub struct SceneGraph {
     pub(in crate::intercept::vk) seen: Mutex<Seen>,
-    /// Number of times that compute shaders made a picture for the window that was not followed.
+    /// Number of times that compute shaders or copies made a picture for the window that was not
+    /// followed.
     unfollowed: AtomicU32,
 }
 
 impl SceneGraph {
-    /// Counts a picture of compute shaders for the window that is not followed. Returns whether it
-    /// may be followed later.
+    /// Begins to count such pictures anew, because the window is new or a picture is followed.
+    pub(in crate::intercept::vk) fn begin_waiting(&self) {
+        self.unfollowed.store(0, Ordering::Relaxed);
+    }
+
+    /// Notes that other images may be found now.
+    pub(in crate::intercept::vk) fn look_again(&self) {
+        self.seen.locked().news = true;
+    }
+
+    /// Counts a picture for the window that is not followed. Returns whether it may be followed
+    /// later.
     pub(in crate::intercept::vk) fn may_be_followed(&self) -> bool {
         self.unfollowed.fetch_add(1, Ordering::Relaxed) < PATIENCE
     }

@@ -9,6 +9,7 @@ use crate::intercept::scene::flat_program::{FlatProgram, MissingLens, MissingLen
 use crate::intercept::scene::frame_order::FrameOrder;
 use crate::intercept::scene::lens::Told;
 use crate::intercept::scene::to_window::Area;
+use crate::intercept::scene::viewport::parts::PanelPart;
 use crate::intercept::vk::spirv::Matrix;
 use crate::intercept::vk::state::pipelines::MatrixStage;
 use crate::intercept::vk::state::recording::draw_parameters::IndirectDraw;
@@ -234,8 +235,10 @@ pub struct Counts {
 pub struct Frame {
     pub(in crate::intercept::vk) cameras: Cameras,
     pub(in crate::intercept::vk) layout: Option<Arc<AtlasLayout>>,
-    /// Matrices that show the panel in each view, for flat drawing behind the scene.
+    /// Matrices that show a part of the panel in each view, for flat drawing behind the scene.
     pub(in crate::intercept::vk) behind: Vec<ReprojectionMatrix>,
+    /// This part; `None`: the matrices are not computed yet.
+    pub(in crate::intercept::vk) behind_part: Option<PanelPart>,
     /// The lens for which samples were counted last, and their number.
     pub(in crate::intercept::vk) sampled: Option<(Intrinsics, f64)>,
     pub(in crate::intercept::vk) order: FrameOrder,
