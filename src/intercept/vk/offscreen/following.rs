@@ -66,6 +66,7 @@ impl Images {
         let mut all = std::mem::take(&mut *self.retired.locked());
         all.extend(self.of_window.locked().take());
         all.iter().for_each(|target| self.destroy_view_copies(device, target));
+        self.clear_coverage(device);
     }
 
     /// Destroys the view copies of a scene and their views.

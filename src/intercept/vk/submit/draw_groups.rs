@@ -23,6 +23,7 @@ use crate::intercept::vk::submit::inspected;
 use crate::lock::Lock;
 use crate::runtime::session::Intrinsics;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 /// Matrices that do not change positions, not even by rounding.
 const IDENTITY: ReprojectionMatrix = ReprojectionMatrix::IDENTITY;
@@ -114,6 +115,7 @@ fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Runn
                 crate::intercept::vk::offscreen::scene_graph::ran(device, targets, sources)
             }
             Event::Computed(images) => crate::intercept::vk::offscreen::scene_graph::computed(device, images),
+            Event::Measured(block) => block.submitted.store(true, Ordering::Relaxed),
             Event::BeginQuery(pool, query) => queries.push(RunningQuery::new(Arc::clone(pool), *query)),
             Event::EndQuery(pool, query) => {
                 let ended = queries.iter().position(|running| running.is(pool, *query));
@@ -144,7 +146,10 @@ fn sample_scale(device: &Device, group: &DrawGroup) -> SampleScale {
     let same = repeated + views.iter().filter(|view| view.own_lens).count() as f64;
     let seen = match group.last {
         Some(DrawClass::Scene(lens)) => repeated + frame.samples(&lens, layout, of_window) / of_window,
-        Some(DrawClass::Screen) => repeated + views.iter().map(|view| view.rect.area()).sum::<f64>() / own,
+        Some(DrawClass::Screen) => {
+            let shown = group.facts.part.map_or(own, AtlasRect::area);
+            repeated + views.iter().map(|view| view.rect.area()).sum::<f64>() / shown
+        }
         Some(DrawClass::Flat) if !group.facts.off_screen && !layout.shows_own_lens() => same + 1.0,
         // The draw covers the area of the panel in the views, which is about as large as the panel.
         _ => same.max(1.0),
@@ -163,7 +168,8 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     let facts = &group.facts;
     frame.counts.seen += group.draws;
     let in_views = facts.in_views && device.draws_views();
-    let settled = group.lens.filter(|_| in_views).and_then(|(told, how)| {
+    // What fills a rectangle of the window is a picture, although it may have a perspective.
+    let settled = group.lens.filter(|_| in_views && facts.part.is_none()).and_then(|(told, how)| {
         let (width, height) = group.layout.window;
         let lens = told.settled(frame.cameras.lenses(), f64::from(width) / f64::from(height))?;
         Some((lens, how))
@@ -241,7 +247,9 @@ fn classify(
             DrawClass::Scene(intrinsics)
         }
         None if facts.screen && in_views => {
-            frame.order.note_scene();
+            if facts.part.is_none() {
+                frame.order.note_scene();
+            }
             DrawClass::Screen
         }
         None if facts.sky && in_views && group.cameras.holds_inverse(facts) => {

@@ -1,8 +1,10 @@
 //! Images of the program, and the images that replace them while views are drawn.
 //!
 //! [`scene_graph`] notes which images hold a scene on its way to the window. [`framebuffers`] notes
-//! which images a render pass draws to. `image` holds the types, `layouts` follows layouts.
+//! which images a render pass draws to, [`coverage`] how much of the window a draw fills. `image`
+//! holds the types, `layouts` follows layouts.
 
+pub mod coverage;
 pub mod framebuffers;
 mod image;
 mod layouts;
@@ -15,6 +17,7 @@ use crate::correct::LowerLeftRect;
 use crate::intercept::process::settings;
 use crate::intercept::scene::viewport;
 use crate::intercept::scene::viewport::parts::Parts;
+use crate::intercept::vk::state::images::coverage::Coverage;
 use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect};
 use crate::intercept::vk::state::views::view_target::ViewTarget;
 use crate::lock::Lock;
@@ -38,6 +41,8 @@ pub struct Images {
     pub(in crate::intercept::vk) window: Mutex<Option<(u32, u32)>>,
     /// Parts of this window that images fill, between widgets.
     pub(in crate::intercept::vk) parts: Mutex<Parts>,
+    /// Draws to the window that sample images of another shape.
+    pub(in crate::intercept::vk) coverage: Coverage,
     /// Images that were found to hold a scene. After a change of size, similar images are
     /// recognised at once.
     pub(in crate::intercept::vk) scenes: Mutex<Vec<KnownScene>>,
@@ -144,6 +149,28 @@ impl Images {
         self.candidates.load(Ordering::Relaxed)
     }
 
+    /// True if an image was seen in a small part of the window. It is examined only for the reason
+    /// why it is flat.
+    pub fn is_shown_small(&self, image: vk::Image) -> bool {
+        self.coverage.small.locked().contains(&image)
+    }
+
+    /// True if an image has the shape of the window.
+    pub fn is_window_shaped(&self, image: vk::Image) -> bool {
+        let window = *self.window.locked();
+        self.size(image).zip(window).is_some_and(|(size, window)| has_shape(size, window))
+    }
+
+    /// True if an image may be a scene in a part of the window: passes draw to it, it has colours,
+    /// and it has another shape than the window.
+    pub fn may_be_shown_in_part(&self, image: vk::Image) -> bool {
+        let drawn = self.images.locked().get(&image).is_some_and(|state| {
+            let colours = aspects(state.format).contains(vk::ImageAspectFlags::COLOR);
+            colours && state.may_be_attached() && state.may_hold_scene()
+        });
+        drawn && !self.is_window_shaped(image)
+    }
+
     /// True if an image of this size may be a scene that fills this large part of a window: it has
     /// the part's shape. Windows that show the program's own picture need no scene.
     pub fn may_fill_part(&self, (width, height): (u32, u32), part: AtlasRect, window: &AtlasLayout) -> bool {
@@ -175,7 +202,7 @@ impl Images {
             let shown = state.described || aspects(state.format).contains(vk::ImageAspectFlags::COLOR);
             (shown && state.may_hold_scene()).then_some(state.size)
         });
-        let fits = size.is_some_and(|size| self.has_shown_shape(size));
+        let fits = size.is_some_and(|size| self.has_shown_shape(size) || self.is_shown_small(image));
         fits && settings::settings().is_some_and(|settings| settings.rig.views.duplicate != Duplicate::Never)
     }
 
@@ -188,6 +215,7 @@ impl Images {
         let window = *self.window.locked();
         window.is_some_and(|window| viewport::has_shape_of_window(width, height, window))
             || self.parts.locked().of(width, height).is_some()
+            || self.is_shown_small(image)
     }
 
     /// Notes that a pass has this image as an attachment.

@@ -13,7 +13,7 @@ use crate::intercept::scene::viewport::parts::PanelPart;
 use crate::intercept::vk::spirv::Matrix;
 use crate::intercept::vk::state::pipelines::MatrixStage;
 use crate::intercept::vk::state::recording::draw_parameters::IndirectDraw;
-use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
+use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect};
 use crate::intercept::vk::state::views::view_constants::{ChunkOffset, SlotParts};
 use crate::runtime::session::{CameraFunction, Intrinsics, ViewMatrix};
 use ash::vk;
@@ -117,6 +117,8 @@ pub struct DrawFacts {
     /// True for draws that bring the scene from an off-screen image to the complete picture, if
     /// they are flat.
     pub(in crate::intercept::vk) screen: bool,
+    /// The part of the window that such draws fill, between widgets; `None`: all of it.
+    pub(in crate::intercept::vk) part: Option<AtlasRect>,
     /// True for draws that fill an image before the scene is drawn there: a background.
     pub(in crate::intercept::vk) fills: bool,
 }
