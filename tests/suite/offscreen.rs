@@ -138,13 +138,14 @@ fn a_scene_between_widgets() {
         let run = Run { extra: &extra, frames: 8, cupola_frames: 8, ..Run::new("toolkit") };
         let Some(finished) = run.under("fisheye") else { return };
         let finished = finished.expect_success().expect_no_gl_errors();
-        expect_between_widgets(&finished.picture("capture.png"), &run, &format!("toolkit {mode}"));
+        let what = format!("toolkit {mode}");
+        expect_between_widgets(&finished.picture("capture.png"), Limits::USUAL, &run, &what);
     }
 }
 
 /// Checks a domemaster of a scene in most of the window, between an orange background and a green
-/// menu.
-pub fn expect_between_widgets(picture: &Picture, run: &Run<'_>, what: &str) {
+/// menu. The scene is within `limits`.
+pub fn expect_between_widgets(picture: &Picture, limits: Limits, run: &Run<'_>, what: &str) {
     let edge = 30.0_f64.to_radians().tan();
     // Place on the panel in pixels of the window. `None`: beside the panel.
     let on_panel = |x: f64, y: f64| {
@@ -162,7 +163,7 @@ pub fn expect_between_widgets(picture: &Picture, run: &Run<'_>, what: &str) {
         Some(at) if !within(at, [38.0, 38.0, 250.0, 218.0]) || within(at, near_square) => Shown::Unknown,
         _ => scene(x, y),
     };
-    expect_good(&compare(picture, shown), picture, what);
+    expect_good(&compare_with(picture, limits, shown, cube_colour, cube_face), picture, what);
     let mut seen = [0; 4];
     for (x, y) in (0..256).flat_map(|y| (0..256).map(move |x| (x, y))) {
         let Some(at) = on_panel(x as f64 + 0.5, y as f64 + 0.5) else { continue };

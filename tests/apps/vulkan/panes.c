@@ -3,7 +3,8 @@
  * the window between widgets, an orange background and a green menu (--way). The image is blitted
  * there (blit) or copied (copy), or it is sampled by a rectangle whose place its vertices have
  * (drawn) or the viewport (viewport). Or it is shown in a small part of the window (small, and
- * small-blit).
+ * small-blit). --resizes changes the size of the window and of the image, and back, that many times.
+ * --picture writes the image's pixels, which the program then copies to memory in each frame.
  */
 #include "direction.h"
 #include "frames.h"
@@ -26,6 +27,8 @@ static const char *const ways[WAYS] = {"blit", "copy", "drawn", "viewport", "sma
 static struct {
     direction_options direction;
     way_kind way;
+    int resizes;
+    const char *picture;
 } options = {.direction = DIRECTION_DEFAULTS};
 
 typedef struct {
@@ -44,6 +47,7 @@ static VkPipelineLayout cube_layout, plain_layout, shown_layout;
 static linked_pipeline cube, mark, plain, shown;
 static frame_objects objects;
 static VkCommandBuffer commands;
+static block read_back;
 
 static void parse(int argc, char **argv)
 {
@@ -51,8 +55,13 @@ static void parse(int argc, char **argv)
         const int way = strcmp(argv[i], "--way") == 0 ? choice(argv[i + 1], ways, WAYS) : -1;
         if (way >= 0)
             options.way = (way_kind)way;
+        else if (strcmp(argv[i], "--resizes") == 0)
+            options.resizes = atoi(argv[i + 1]);
+        else if (strcmp(argv[i], "--picture") == 0)
+            options.picture = argv[i + 1];
         else if (!take_direction(&options.direction, argv[i], argv[i + 1])) {
-            fprintf(stderr, "usage: vk_panes " DIRECTION_USAGE " [--way blit|copy|drawn|viewport|small|small-blit]\n");
+            fprintf(stderr, "usage: vk_panes " DIRECTION_USAGE " [--resizes N] [--picture FILE.ppm]\n"
+                    "  [--way blit|copy|drawn|viewport|small|small-blit]\n");
             exit(2);
         }
     }
@@ -85,13 +94,6 @@ static void make_layouts(void)
                                         .addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                         .addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
     expect(vkCreateSampler(w.device, &filter, NULL, &sampler), "vkCreateSampler");
-    const VkDescriptorImageInfo image = {sampler, scene.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
-    const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                        .dstSet = set,
-                                        .descriptorCount = 1,
-                                        .descriptorType = kind,
-                                        .pImageInfo = &image};
-    vkUpdateDescriptorSets(w.device, 1, &write, 0, NULL);
     VkPushConstantRange range = {VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(matrix4)};
     VkPipelineLayoutCreateInfo info = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                        .pushConstantRangeCount = 1,
@@ -126,10 +128,9 @@ static void make_pipelines(void)
     shown = make_pipeline(&w, &parts);
 }
 
-static void open_all(void)
+/* Makes the image, and what depends on its size. */
+static void make_pictures(void)
 {
-    window_open(&w, options.direction.x, options.direction.y, options.direction.width, options.direction.height, false, false,
-                VK_IMAGE_USAGE_TRANSFER_DST_BIT);
     const uint32_t width = w.extent.width, height = w.extent.height;
     const bool small = options.way == SMALL || options.way == SMALL_BLIT;
     size = (VkExtent2D){width * 7 / 8, height * 3 / 4};
@@ -139,7 +140,40 @@ static void open_all(void)
     scene = make_picture(&w, w.format, size, VK_SAMPLE_COUNT_1_BIT,
                          VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
     depth = make_picture(&w, DEPTH_FORMAT, size, VK_SAMPLE_COUNT_1_BIT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
+    read_back = make_block(&w, 4 * size.width * size.height, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true);
+    const VkDescriptorImageInfo image = {sampler, scene.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+    const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                        .dstSet = set,
+                                        .descriptorCount = 1,
+                                        .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                                        .pImageInfo = &image};
+    vkUpdateDescriptorSets(w.device, 1, &write, 0, NULL);
+}
+
+static void free_pictures(void)
+{
+    free_picture(&w, &scene);
+    free_picture(&w, &depth);
+    free_block(&w, &read_back);
+}
+
+/* Gives the window another size, or its first one again. */
+static void resize(bool other)
+{
+    const uint32_t width = options.direction.width, height = options.direction.height;
+    expect(vkDeviceWaitIdle(w.device), "vkDeviceWaitIdle");
+    window_ask_size(&w, other ? width * 5 / 4 : width, other ? height * 3 / 4 : height);
+    window_make_swapchain(&w);
+    free_pictures();
+    make_pictures();
+}
+
+static void open_all(void)
+{
+    window_open(&w, options.direction.x, options.direction.y, options.direction.width, options.direction.height, false, false,
+                VK_IMAGE_USAGE_TRANSFER_DST_BIT);
     make_layouts();
+    make_pictures();
     make_pipelines();
     objects = make_frame_objects(&w);
     make_commands(&w, &objects, VK_COMMAND_BUFFER_LEVEL_PRIMARY, 1, &commands);
@@ -210,7 +244,14 @@ static void record_scene(void)
     vkCmdDraw(commands, 36, 1, 0, 0);
     draw(&mark, plain_layout, (rectangle){{-0.8f, 0.5f, -0.5f, 0.8f}, {1.0f, 1.0f, 1.0f, 1.0f}});
     vkCmdEndRendering(commands);
-    move(scene.image, COLOR, copies() ? READ_FROM : SAMPLED);
+    move(scene.image, COLOR, READ_FROM);
+    if (options.picture != NULL) {
+        const VkBufferImageCopy region = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                          .imageExtent = {size.width, size.height, 1}};
+        vkCmdCopyImageToBuffer(commands, scene.image, READ_FROM, read_back.buffer, 1, &region);
+    }
+    if (!copies())
+        move(scene.image, READ_FROM, SAMPLED);
 }
 
 /* Copies the image to the part of the window, between two passes. */
@@ -281,16 +322,36 @@ static void close_all(void)
     vkDestroyDescriptorSetLayout(w.device, set_layout, NULL);
     vkDestroySampler(w.device, sampler, NULL);
     free_frame_objects(&w, &objects);
-    free_picture(&w, &scene);
-    free_picture(&w, &depth);
+    free_pictures();
     window_close(&w);
+}
+
+static void write_picture(const char *path)
+{
+    FILE *file = fopen(path, "wb");
+    if (file == NULL) {
+        fprintf(stderr, "cannot write %s\n", path);
+        exit(1);
+    }
+    fprintf(file, "P6\n%u %u\n255\n", size.width, size.height);
+    const unsigned char *bytes = read_back.bytes;
+    for (uint32_t i = 0; i < size.width * size.height; i++, bytes += 4)
+        fwrite((unsigned char[]){bytes[2], bytes[1], bytes[0]}, 1, 3, file);
+    fclose(file);
 }
 
 int main(int argc, char **argv)
 {
     parse(argc, argv);
     open_all();
-    run_frames(&w, &objects, commands, options.direction.frames, options.direction.shot, record);
+    const int frames = options.direction.frames / (options.resizes + 1);
+    for (int resized = 0; resized < options.resizes; resized++) {
+        run_frames(&w, &objects, commands, frames, NULL, record);
+        resize(resized % 2 == 0);
+    }
+    run_frames(&w, &objects, commands, frames, options.direction.shot, record);
+    if (options.picture != NULL)
+        write_picture(options.picture);
     close_all();
     return 0;
 }

@@ -77,17 +77,24 @@ fn shown_part(
     fills.then_some(part)
 }
 
-/// Plans a copy. If it cannot be followed, the program is shown flat.
-pub(super) fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, dst): End) -> CopyPlan {
-    let (read, written) = (device.images.target_of_image(from), device.images.target_of_image(to));
-    device.images.overwritten(to);
-    let everything = is_of_everything(device, (from, src), (to, dst), written.as_deref());
-    let window = written.as_ref().filter(|target| target.window && !everything);
+/// Determines whether a copy is of everything, and the part of the window that it fills otherwise.
+/// Notes the result that it makes. `written`: the target.
+fn look(device: &Device, (from, src): End, (to, dst): End, written: Option<&ViewTarget>) -> (bool, Option<AtlasRect>) {
+    let everything = is_of_everything(device, (from, src), (to, dst), written);
+    let window = written.filter(|target| target.window && !everything);
     let part = window.and_then(|window| shown_part(device, (from, src), dst, window));
     if device.images.is_candidate(from) {
         let follows = everything || part.is_some();
         note_made(device, from, if follows { end_of(device, to) } else { Made::Elsewhere }, written.is_some());
     }
+    (everything, part)
+}
+
+/// Plans a copy. If it cannot be followed, the program is shown flat.
+pub(super) fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, dst): End) -> CopyPlan {
+    let (read, written) = (device.images.target_of_image(from), device.images.target_of_image(to));
+    device.images.overwritten(to);
+    let (everything, part) = look(device, (from, src), (to, dst), written.as_deref());
     let drawn = |target: &Arc<ViewTarget>, in_views| {
         let event = Event::Drawn(Arc::clone(target), in_views);
         device.recordings.with(buffer, |recording| recording.events.push(event));

@@ -39,6 +39,23 @@ pub enum Shown {
     Measured(Arc<QueryBlock>),
 }
 
+impl Shown {
+    /// The part of the window that gets a scene.
+    pub fn part(&self) -> Option<AtlasRect> {
+        if let Self::Part(part) = self { Some(*part) } else { None }
+    }
+
+    /// The queries that measure the draw.
+    pub fn queries(&self) -> Option<Arc<QueryBlock>> {
+        if let Self::Measured(block) = self { Some(Arc::clone(block)) } else { None }
+    }
+
+    /// True if the draw is flat, at least until more is known.
+    pub fn is_flat(&self) -> bool {
+        matches!(self, Self::Small | Self::Unknown | Self::Measured(_))
+    }
+}
+
 /// What has to be known of a draw before it is measured.
 pub struct Measurable {
     pub(in crate::intercept::vk) pipeline: vk::Pipeline,

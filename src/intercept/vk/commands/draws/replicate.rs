@@ -154,15 +154,7 @@ fn classify(
     let main = is_main(&program.viewport, layout.window);
     let covers = draw.size.may_cover_viewport();
     let first = draw.size.first_instance();
-    let sources: Vec<MatrixSource> = match variants.follows && main {
-        true => variants.matrices.iter().filter_map(|m| source(device, recording, m, first)).collect(),
-        false => Vec::new(),
-    };
-    let missing_lens = match variants.matrices.first() {
-        _ if !main => MissingLens::PartOfWindow,
-        Some(matrix) => matrix.memory.if_unreadable(),
-        None => variants.missing_lens,
-    };
+    let (sources, missing_lens) = lens_sources(draw, recording, variants, main);
     let ours = draw.pipeline.layout.as_ref().map_or(0, |layout| layout.ours);
     let sets = per_view_sets(device, recording, layout, ours).map_err(|why| device.show_flat(why)).ok()?;
     let (has_matrices, told_place) = (!sources.is_empty(), variants.moves_place);
@@ -179,10 +171,8 @@ fn classify(
     let sky = main && sets.is_empty() && !cameras.is_empty();
     let pass = recording.pass.as_mut()?;
     let off_screen = !pass.target.window;
-    let hidden = matches!(shown, Shown::Small | Shown::Unknown | Shown::Measured(_));
-    let screen = !sets.is_empty() && main && covers && !hidden;
-    let part = if let Shown::Part(part) = shown { Some(part).filter(|_| screen) } else { None };
-    let measured = if let Shown::Measured(block) = shown { Some(block) } else { None };
+    let screen = !sets.is_empty() && main && covers && !shown.is_flat();
+    let part = shown.part().filter(|_| screen);
     if !sets.is_empty() && main && variants.loses_place {
         device.show_flat("a shader that reads a picture of its scene uses its position on the screen");
     }
@@ -214,7 +204,28 @@ fn classify(
         cameras,
         sky,
     };
-    Some(Classified { facts, program, sets, measured })
+    Some(Classified { facts, program, sets, measured: shown.queries() })
+}
+
+/// Returns the matrices that may contain the lens of a draw, and the reason why it has none if they
+/// cannot be read. `main`: its viewport shows the main picture.
+fn lens_sources(
+    draw: &ProgramDraw<'_>,
+    recording: &Recording,
+    variants: &Variants,
+    main: bool,
+) -> (Vec<MatrixSource>, MissingLens) {
+    let of_draw = |matrix| source(draw.device, recording, matrix, draw.size.first_instance());
+    let sources = match variants.follows && main {
+        true => variants.matrices.iter().filter_map(of_draw).collect(),
+        false => Vec::new(),
+    };
+    let missing_lens = match variants.matrices.first() {
+        _ if !main => MissingLens::PartOfWindow,
+        Some(matrix) => matrix.memory.if_unreadable(),
+        None => variants.missing_lens,
+    };
+    (sources, missing_lens)
 }
 
 /// Determines what a draw to the window shows of images of another shape.

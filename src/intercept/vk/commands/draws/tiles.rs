@@ -223,9 +223,9 @@ mod tests {
         );
         let given = vk::Viewport { x: 20.0, y: 30.0, width: 100.0, height: 50.0, min_depth: 0.25, max_depth: 1.0 };
         let window = vk::Viewport { x: 0.0, y: 90.0, width: 150.0, height: -90.0, ..given };
-        assert_eq!(spread(&given, part, tile), fill_tile(&given, tile));
-        let wide = spread(&window, part, tile);
-        assert_eq!((wide.x, wide.y, wide.width, wide.height), (960.0, 740.0, 300.0, -360.0));
+        let place = |v: vk::Viewport| [v.x, v.y, v.width, v.height, v.min_depth];
+        assert_eq!(place(spread(&given, part, tile)), place(fill_tile(&given, tile)));
+        assert_eq!(place(spread(&window, part, tile)), [960.0, 740.0, 300.0, -360.0, 0.25]);
     }
 
     #[test]
