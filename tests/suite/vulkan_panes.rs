@@ -10,6 +10,7 @@ tests! {
     a_scene_that_is_drawn_between_widgets,
     scenes_between_widgets_with_the_programs_own_lens,
     a_scene_between_widgets_that_is_read,
+    a_window_with_widgets_that_is_read,
     a_window_with_widgets_is_resized,
     a_scene_in_a_small_part_stays_flat,
 }
@@ -63,6 +64,19 @@ fn a_scene_between_widgets_that_is_read() {
         expect_identical(&under.picture("own.ppm"), &plain, &format!("vk_panes {way}, read"));
         expect_between_widgets(&under.picture("capture.png"), limits, &run, &format!("vk_panes {way}, read"));
         assert_eq!(under.statistics()["duplicated_framebuffers"], 1, "{way}");
+    }
+}
+
+/// A program that reads its window gets its own picture, with the scene between the widgets.
+fn a_window_with_widgets_that_is_read() {
+    for way in ["blit", "copy", "drawn", "viewport"] {
+        let extra = ["--way", way, "--window", "own.ppm"];
+        let run = panes(&extra);
+        let (Some(plain), Some(under)) = (run.vulkan_plain(), run.vulkan_under("fisheye")) else { return };
+        let plain = plain.expect_success().picture("own.ppm");
+        expect_identical(&under.picture("own.ppm"), &plain, &format!("vk_panes {way}, window read"));
+        let what = format!("vk_panes {way}, window read");
+        expect_between_widgets(&under.picture("capture.png"), Limits::USUAL, &run, &what);
     }
 }
 

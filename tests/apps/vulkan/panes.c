@@ -4,7 +4,8 @@
  * there (blit) or copied (copy), or it is sampled by a rectangle whose place its vertices have
  * (drawn) or the viewport (viewport). Or it is shown in a small part of the window (small, and
  * small-blit). --resizes changes the size of the window and of the image, and back, that many times.
- * --picture writes the image's pixels, which the program then copies to memory in each frame.
+ * --picture writes the image's pixels, which the program then copies to memory in each frame, and
+ * --window those of the window.
  */
 #include "direction.h"
 #include "frames.h"
@@ -28,7 +29,7 @@ static struct {
     direction_options direction;
     way_kind way;
     int resizes;
-    const char *picture;
+    const char *picture, *window;
 } options = {.direction = DIRECTION_DEFAULTS};
 
 typedef struct {
@@ -59,8 +60,10 @@ static void parse(int argc, char **argv)
             options.resizes = atoi(argv[i + 1]);
         else if (strcmp(argv[i], "--picture") == 0)
             options.picture = argv[i + 1];
+        else if (strcmp(argv[i], "--window") == 0)
+            options.window = argv[i + 1];
         else if (!take_direction(&options.direction, argv[i], argv[i + 1])) {
-            fprintf(stderr, "usage: vk_panes " DIRECTION_USAGE " [--resizes N] [--picture FILE.ppm]\n"
+            fprintf(stderr, "usage: vk_panes " DIRECTION_USAGE " [--resizes N] [--picture FILE.ppm] [--window FILE.ppm]\n"
                     "  [--way blit|copy|drawn|viewport|small|small-blit]\n");
             exit(2);
         }
@@ -138,9 +141,10 @@ static void make_pictures(void)
     if (small)
         part = (VkRect2D){{0, 0}, {size.width / 2, size.height / 2}};
     scene = make_picture(&w, w.format, size, VK_SAMPLE_COUNT_1_BIT,
-                         VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
+                         VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                             VK_IMAGE_USAGE_TRANSFER_DST_BIT);
     depth = make_picture(&w, DEPTH_FORMAT, size, VK_SAMPLE_COUNT_1_BIT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
-    read_back = make_block(&w, 4 * size.width * size.height, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true);
+    read_back = make_block(&w, 4 * width * height, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true);
     const VkDescriptorImageInfo image = {sampler, scene.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
     const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                         .dstSet = set,
@@ -171,7 +175,7 @@ static void resize(bool other)
 static void open_all(void)
 {
     window_open(&w, options.direction.x, options.direction.y, options.direction.width, options.direction.height, false, false,
-                VK_IMAGE_USAGE_TRANSFER_DST_BIT);
+                VK_IMAGE_USAGE_TRANSFER_DST_BIT | (options.window != NULL ? VK_IMAGE_USAGE_TRANSFER_SRC_BIT : 0));
     make_layouts();
     make_pictures();
     make_pipelines();
@@ -232,6 +236,13 @@ static void draw(const linked_pipeline *by, VkPipelineLayout layout, rectangle d
     vkCmdDraw(commands, 6, 1, 0, 0);
 }
 
+static void read_pixels(VkImage image, VkExtent2D area)
+{
+    const VkBufferImageCopy region = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                      .imageExtent = {area.width, area.height, 1}};
+    vkCmdCopyImageToBuffer(commands, image, READ_FROM, read_back.buffer, 1, &region);
+}
+
 /* Draws the cube into the image, and a white square over it without perspective. */
 static void record_scene(void)
 {
@@ -245,11 +256,8 @@ static void record_scene(void)
     draw(&mark, plain_layout, (rectangle){{-0.8f, 0.5f, -0.5f, 0.8f}, {1.0f, 1.0f, 1.0f, 1.0f}});
     vkCmdEndRendering(commands);
     move(scene.image, COLOR, READ_FROM);
-    if (options.picture != NULL) {
-        const VkBufferImageCopy region = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-                                          .imageExtent = {size.width, size.height, 1}};
-        vkCmdCopyImageToBuffer(commands, scene.image, READ_FROM, read_back.buffer, 1, &region);
-    }
+    if (options.picture != NULL)
+        read_pixels(scene.image, size);
     if (!copies())
         move(scene.image, READ_FROM, SAMPLED);
 }
@@ -304,7 +312,11 @@ static void record(uint32_t index)
         draw_scene();
     draw(&plain, plain_layout, (rectangle){{-1.0f, -1.0f, 1.0f, -0.75f}, {0.0f, 0.5f, 0.0f, 1.0f}});
     vkCmdEndRendering(commands);
-    move(image, COLOR, SHOWN);
+    if (options.window != NULL) {
+        move(image, COLOR, READ_FROM);
+        read_pixels(image, w.extent);
+    }
+    move(image, options.window != NULL ? READ_FROM : COLOR, SHOWN);
     expect(vkEndCommandBuffer(commands), "vkEndCommandBuffer");
 }
 
@@ -326,16 +338,16 @@ static void close_all(void)
     window_close(&w);
 }
 
-static void write_picture(const char *path)
+static void write_picture(const char *path, VkExtent2D area)
 {
     FILE *file = fopen(path, "wb");
     if (file == NULL) {
         fprintf(stderr, "cannot write %s\n", path);
         exit(1);
     }
-    fprintf(file, "P6\n%u %u\n255\n", size.width, size.height);
+    fprintf(file, "P6\n%u %u\n255\n", area.width, area.height);
     const unsigned char *bytes = read_back.bytes;
-    for (uint32_t i = 0; i < size.width * size.height; i++, bytes += 4)
+    for (uint32_t i = 0; i < area.width * area.height; i++, bytes += 4)
         fwrite((unsigned char[]){bytes[2], bytes[1], bytes[0]}, 1, 3, file);
     fclose(file);
 }
@@ -351,7 +363,9 @@ int main(int argc, char **argv)
     }
     run_frames(&w, &objects, commands, frames, options.direction.shot, record);
     if (options.picture != NULL)
-        write_picture(options.picture);
+        write_picture(options.picture, size);
+    if (options.window != NULL)
+        write_picture(options.window, w.extent);
     close_all();
     return 0;
 }

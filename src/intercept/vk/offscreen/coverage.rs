@@ -5,10 +5,11 @@
 //! window begins, and read when they have run.
 
 use crate::intercept::scene::viewport::parts::{ARMS, Picture};
-use crate::intercept::vk::offscreen::scene_graph;
+use crate::intercept::vk::offscreen::scene_graph::{self, Cover};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::images::Images;
 use crate::intercept::vk::state::images::coverage::{QueryBlock, Signature, State};
+use crate::intercept::vk::state::images::scene_graph::Made;
 use crate::intercept::vk::state::recording::Recording;
 use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect};
 use crate::lock::Lock;
@@ -48,6 +49,18 @@ impl Shown {
     /// The queries that measure the draw.
     pub fn queries(&self) -> Option<Arc<QueryBlock>> {
         if let Self::Measured(block) = self { Some(Arc::clone(block)) } else { None }
+    }
+
+    /// Returns the result of the draw, which samples `image`, if that matters. `cover`: the area that
+    /// the draw covers.
+    pub fn made(&self, device: &Device, image: vk::Image, cover: Cover) -> Option<Made> {
+        match self {
+            _ if device.images.is_window_shaped(image) => cover.made(device, image, Made::Window),
+            Self::Part(_) => Some(Made::Window),
+            Self::Small => Some(Made::Elsewhere),
+            Self::Unknown | Self::Measured(_) => None,
+            Self::Nothing => cover.made(device, image, Made::Window),
+        }
     }
 
     /// True if the draw is flat, at least until more is known.

@@ -7,7 +7,6 @@
 
 use crate::intercept::process::settings;
 use crate::intercept::scene::lens::{self, Candidate};
-use crate::intercept::vk::offscreen::coverage::{self, Shown};
 use crate::intercept::vk::offscreen::images::READ_TOGETHER;
 use crate::intercept::vk::pipelines::matrix_sources::{matrix, source};
 use crate::intercept::vk::state::device::Device;
@@ -21,7 +20,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// view from now on.
 pub fn decide(device: &Device) {
     device.images.sweep(device);
-    coverage::take_results(device);
     let Some(settings) = settings::settings() else { return };
     let Some(chosen) = device.scene_graph.news(settings.rig.views.duplicate) else { return };
     if !device.draws_views() {
@@ -73,18 +71,6 @@ impl Cover {
     /// the depths of a shadow map.
     fn follows(&self, mapped: bool) -> bool {
         self.main_picture && (self.few_vertices || self.has_matrices && (self.told_place || !mapped))
-    }
-
-    /// As [`made`](Self::made), for a draw to the window that shows `shown` of images of another
-    /// shape.
-    pub fn made_in_window(&self, device: &Device, image: vk::Image, shown: &Shown) -> Option<Made> {
-        match shown {
-            _ if device.images.is_window_shaped(image) => self.made(device, image, Made::Window),
-            Shown::Part(_) => Some(Made::Window),
-            Shown::Small => Some(Made::Elsewhere),
-            Shown::Unknown | Shown::Measured(_) => None,
-            Shown::Nothing => self.made(device, image, Made::Window),
-        }
     }
 
     /// Returns the result of a draw that shows `image`, if that matters: `made`, or a result that

@@ -101,6 +101,7 @@ unsafe fn prepare(
     ready: &mut Option<Vec<vk::Semaphore>>,
 ) -> bool {
     device.frame.locked().end(device.draws_views(), || off_screen(device));
+    crate::intercept::vk::offscreen::coverage::take_results(device);
     crate::intercept::vk::offscreen::scene_graph::decide(device);
     let Some(settings) = settings::settings() else { return true };
     if settings.needs_statistics() {

@@ -274,7 +274,7 @@ fn note_pictures(device: &Device, recording: &mut Recording, cover: Cover, shown
     let (window, given) = (pass.target.window, pass.target.given);
     for picture in pictures {
         let made = match window {
-            true => cover.made_in_window(device, picture, shown),
+            true => shown.made(device, picture, cover),
             false => cover.made(device, picture, Made::Image(given)),
         };
         made.into_iter().for_each(|made| device.scene_graph.note_made(picture, made));
