@@ -62,6 +62,7 @@ mod vulkan_faults;
 mod vulkan_later;
 mod vulkan_matrices;
 mod vulkan_others;
+mod vulkan_panes;
 mod vulkan_primitives;
 mod vulkan_queries;
 mod vulkan_vertices;
@@ -114,6 +115,7 @@ harness::tests! {
     vulkan_later,
     vulkan_matrices,
     vulkan_others,
+    vulkan_panes,
     vulkan_primitives,
     vulkan_queries,
     vulkan_vertices,

@@ -5,6 +5,7 @@ use crate::compare::{
 };
 use crate::dialects::{camera_of, fisheye, identity, plain, planetarium, shown_by_fisheye, shown_by_window};
 use crate::harness::tests;
+use crate::picture::Picture;
 use crate::programs::{Run, scratch};
 use crate::reference::{Fisheye, Vector, cube_colour, cube_face};
 
@@ -137,42 +138,48 @@ fn a_scene_between_widgets() {
         let run = Run { extra: &extra, frames: 8, cupola_frames: 8, ..Run::new("toolkit") };
         let Some(finished) = run.under("fisheye") else { return };
         let finished = finished.expect_success().expect_no_gl_errors();
-        let picture = finished.picture("capture.png");
-        let edge = 30.0_f64.to_radians().tan();
-        // Place on the panel in pixels of the window. `None`: beside the panel.
-        let on_panel = |x: f64, y: f64| {
-            let [right, up, back] = CIRCLE.direction(x, y);
-            let at = [right, up].map(|part| 128.0 + 128.0 * part / -back.min(-1e-3) / edge);
-            (back < 0.0 && at.iter().all(|at| (-6.0..262.0).contains(at))).then_some(at)
-        };
-        let within = |[x, y]: [f64; 2], [left, bottom, right, top]: [f64; 4]| {
-            (left..right).contains(&x) && (bottom..top).contains(&y)
-        };
-        let scene = shown_by_fisheye(CIRCLE, camera_of(&run));
-        // The white square lies at the same place of the window on the panel.
-        let near_square = [50.0, 47.0, 92.0, 84.0];
-        let shown = |x: f64, y: f64| match on_panel(x, y) {
-            Some(at) if !within(at, [38.0, 38.0, 250.0, 218.0]) || within(at, near_square) => Shown::Unknown,
-            _ => scene(x, y),
-        };
-        expect_good(&compare(&picture, shown), &picture, &format!("toolkit {mode}"));
-        let mut seen = [0; 4];
-        for (x, y) in (0..256).flat_map(|y| (0..256).map(move |x| (x, y))) {
-            let Some(at) = on_panel(x as f64 + 0.5, y as f64 + 0.5) else { continue };
-            let widgets = [
-                ([6.0, 6.0, 250.0, 26.0], [255, 128, 0]),
-                ([6.0, 6.0, 26.0, 218.0], [255, 128, 0]),
-                ([6.0, 230.0, 250.0, 250.0], [0, 128, 0]),
-                ([62.0, 59.0, 80.0, 72.0], [255, 255, 255]),
-            ];
-            for (count, (_, colour)) in seen.iter_mut().zip(widgets).filter(|(_, (place, _))| within(at, *place)) {
-                let found = picture.at(x, y);
-                assert!(found.iter().zip(colour).all(|(a, b)| a.abs_diff(b) <= 2), "{mode}: ({x}, {y}) is {found:?}");
-                *count += 1;
-            }
-        }
-        assert!(seen.iter().all(|count| *count > 20), "{mode}: {seen:?} pixels of the widgets");
+        let what = format!("toolkit {mode}");
+        expect_between_widgets(&finished.picture("capture.png"), Limits::USUAL, &run, &what);
     }
+}
+
+/// Checks a domemaster of a scene in most of the window, between an orange background and a green
+/// menu. The scene is within `limits`.
+pub fn expect_between_widgets(picture: &Picture, limits: Limits, run: &Run<'_>, what: &str) {
+    let edge = 30.0_f64.to_radians().tan();
+    // Place on the panel in pixels of the window. `None`: beside the panel.
+    let on_panel = |x: f64, y: f64| {
+        let [right, up, back] = CIRCLE.direction(x, y);
+        let at = [right, up].map(|part| 128.0 + 128.0 * part / -back.min(-1e-3) / edge);
+        (back < 0.0 && at.iter().all(|at| (-6.0..262.0).contains(at))).then_some(at)
+    };
+    let within = |[x, y]: [f64; 2], [left, bottom, right, top]: [f64; 4]| {
+        (left..right).contains(&x) && (bottom..top).contains(&y)
+    };
+    let scene = shown_by_fisheye(CIRCLE, camera_of(run));
+    // The white square lies at the same place of the window on the panel.
+    let near_square = [50.0, 47.0, 92.0, 84.0];
+    let shown = |x: f64, y: f64| match on_panel(x, y) {
+        Some(at) if !within(at, [38.0, 38.0, 250.0, 218.0]) || within(at, near_square) => Shown::Unknown,
+        _ => scene(x, y),
+    };
+    expect_good(&compare_with(picture, limits, shown, cube_colour, cube_face), picture, what);
+    let mut seen = [0; 4];
+    for (x, y) in (0..256).flat_map(|y| (0..256).map(move |x| (x, y))) {
+        let Some(at) = on_panel(x as f64 + 0.5, y as f64 + 0.5) else { continue };
+        let widgets = [
+            ([6.0, 6.0, 250.0, 26.0], [255, 128, 0]),
+            ([6.0, 6.0, 26.0, 218.0], [255, 128, 0]),
+            ([6.0, 230.0, 250.0, 250.0], [0, 128, 0]),
+            ([62.0, 59.0, 80.0, 72.0], [255, 255, 255]),
+        ];
+        for (count, (_, colour)) in seen.iter_mut().zip(widgets).filter(|(_, (place, _))| within(at, *place)) {
+            let found = picture.at(x, y);
+            assert!(found.iter().zip(colour).all(|(a, b)| a.abs_diff(b) <= 2), "{what}: ({x}, {y}) is {found:?}");
+            *count += 1;
+        }
+    }
+    assert!(seen.iter().all(|count| *count > 20), "{what}: {seen:?} pixels of the widgets");
 }
 
 /// A scene fills only a part of the window. The log and the statistics say why it is flat.

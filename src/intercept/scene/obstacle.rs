@@ -2,6 +2,9 @@
 
 use std::borrow::Cow;
 
+/// Reason that keeps an image from being drawn once per view.
+pub const SHOWN_SMALL: &str = "it is shown in less than half of the window: make it larger, or close what is beside it";
+
 /// Reason that keeps a draw, a pass or a program from being drawn once per view.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Obstacle {

@@ -1,4 +1,7 @@
 //! Viewports: the program's main picture, pictures within it, and pictures of the window's shape.
+//! [`parts`]: large parts of the window that pictures fill.
+
+pub mod parts;
 
 /// True if a viewport of `width` × `height` pixels shows the main picture and not one within it: it
 /// covers more than half of `picture_area`. Smaller pictures, such as side-by-side ones, are not

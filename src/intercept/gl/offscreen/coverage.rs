@@ -12,10 +12,11 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::per_view::window_space::own_window_space;
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::driver::Driver;
-use crate::intercept::gl::state::offscreen::coverage::{Kind, Measure, Measured, Picture, Signature, State};
+use crate::intercept::gl::state::offscreen::coverage::{Kind, Measure, Measured, Signature, State};
 use crate::intercept::gl::state::offscreen::images::Set;
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use crate::intercept::gl::state::queries::Queries;
+use crate::intercept::scene::viewport::parts::Picture;
 
 /// Greatest number of kinds of draws. Of more the oldest are forgotten.
 const GREATEST: usize = 64;

@@ -18,13 +18,13 @@ use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::drawable::Drawable;
-use crate::intercept::gl::state::frame::background::PanelPart;
 use crate::intercept::gl::state::offscreen::coverage::Measure;
 use crate::intercept::gl::state::offscreen::images::{Name, Set};
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::scene::to_window::ToWindow;
 use crate::intercept::scene::viewport;
+use crate::intercept::scene::viewport::parts::PanelPart;
 use crate::rig::Duplicate;
 use crate::runtime::session::Session;
 use std::cell::Cell;
@@ -205,7 +205,8 @@ fn place(ctx: &mut Context, index: usize) -> FlatPlacement {
 /// Returns the part of the panel that corresponds to the framebuffer at `index`.
 fn shown_at(ctx: &Context, index: usize) -> PanelPart {
     let image = ctx.view_copies.framebuffers[index].images().next().and_then(|name| ctx.view_copies.image(name));
-    let part = image.and_then(|image| ViewCopies::part_of(image.size, &ctx.view_copies.parts));
+    let [width, height] = image.map(|image| image.size.map(i64::from)).unwrap_or_default();
+    let part = ctx.view_copies.parts.of(width, height);
     match (part, ctx.session().map(Session::window)) {
         (Some(part), Some((width, height))) => PanelPart::of(part, [width as i32, height as i32]),
         _ => PanelPart::default(),
@@ -268,7 +269,7 @@ fn note(
     let ViewCopies { framebuffers, images, learnt, parts, .. } = view_copies;
     let alike = duplicate_mode() == Duplicate::Always
         || viewport::has_shape_of_window(width.into(), height.into(), window)
-        || ViewCopies::part_of([width, height], parts).is_some();
+        || parts.of(width.into(), height.into()).is_some();
     if class == DrawClass::Flat && sampled == 0 {
         return;
     }

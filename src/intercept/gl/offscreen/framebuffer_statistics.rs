@@ -5,7 +5,7 @@ use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::offscreen::framebuffers::Framebuffer;
 use crate::intercept::gl::state::offscreen::images::Image;
 use crate::intercept::scene::flat_program::OffScreen;
-use crate::intercept::scene::obstacle::Obstacle;
+use crate::intercept::scene::obstacle::{Obstacle, SHOWN_SMALL};
 use crate::rig::Duplicate;
 use std::collections::BTreeMap;
 
@@ -64,7 +64,7 @@ fn obstacle(drawable: &Drawable, images: &[Image], framebuffer: &Framebuffer) ->
     } else if any(|image| image.lost) {
         "it is read or written by compute shaders that cannot be followed"
     } else if any(|image| image.shown_small && !image.displayed && (image.scene || image.other_shape)) {
-        "it is shown in less than half of the window: make it larger, or close what is beside it"
+        SHOWN_SMALL
     } else if any(|image| image.other_shape && !image.scene) {
         "its picture has another shape than the window, as a shadow map or a mirror"
     } else if !any(|image| image.scene || !image.reads.is_empty()) {

@@ -135,7 +135,7 @@ fn note_blit(ctx: &mut Context, source: BlitRect, destination: BlitRect, mask: u
             let new = !std::mem::replace(&mut image.displayed, true);
             ctx.view_copies.learnt |= new;
         }
-        ctx.view_copies.note_part(part);
+        ctx.view_copies.parts.note(part);
         return;
     }
     let from_window = ctx.reads_redirected() && window_has_scene(&ctx.frame, &ctx.view_copies);

@@ -180,7 +180,7 @@ fn take_measurements(ctx: &mut Context) {
             image.shown_small |= part.is_none();
         }
     });
-    parts.into_iter().for_each(|part| ctx.view_copies.note_part(part));
+    parts.into_iter().for_each(|part| _ = ctx.view_copies.parts.note(part));
 }
 
 /// Ends a frame. Images that were seen to lie between a scene and the window get view copies.

@@ -8,7 +8,7 @@ use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::compat::Compat;
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::frame::Frame;
-use crate::intercept::gl::state::frame::background::PanelPart;
+use crate::intercept::scene::viewport::parts::PanelPart;
 
 /// True if a flat draw with the present state goes behind the scene.
 pub fn is_behind(app: &AppState, drawable: &Drawable, frame: &mut Frame, compat: &Compat) -> bool {

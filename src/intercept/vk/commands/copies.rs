@@ -1,9 +1,15 @@
-//! Copies between images: from the window's image, to it, and between images of the scene.
+//! Copies between images: from the window's image, to it, and between images of the scene. A copy to
+//! a large part of the window, between the widgets of a toolkit, fills all of each view.
 
-use crate::backend::vk::Use;
+mod regions;
+mod scaled;
+
+pub(super) use regions::moved;
+
+use crate::intercept::vk::commands::copies::regions::Region;
+use crate::intercept::vk::commands::copies::scaled::ScaledCopy;
 use crate::intercept::vk::offscreen::view_copies;
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::driver::own_image::{COLOR_LAYER, COPIED_TO, barrier_of, left_in, ready_in};
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::images::scene_graph::Made;
@@ -21,8 +27,11 @@ pub(super) enum CopyPlan {
     Read(vk::Image, AtlasRect),
     /// All views are copied from atlas to atlas; the second is the view target that is written.
     Views(vk::Image, Arc<ViewTarget>),
-    /// All views are copied from atlas to atlas, tile by tile, and their size changes.
-    Scaled(Arc<ViewTarget>, Arc<ViewTarget>),
+    /// All views are copied from atlas to atlas, tile by tile, and their size changes. The rectangle
+    /// is the part of the window that they fill; `None`: all of the picture.
+    Scaled(Arc<ViewTarget>, Arc<ViewTarget>, Option<AtlasRect>),
+    /// It goes to the panel of an atlas, and to the primary view.
+    Panel(Arc<ViewTarget>),
 }
 
 /// One end of a copy: its image, and the corners of the copied region.
@@ -50,14 +59,42 @@ fn is_of_everything(device: &Device, (from, src): End, (to, dst): End, target: O
     whole(from, src) && whole(to, dst) && has_atlas
 }
 
+/// Returns the part of the window that a copy of a whole image fills, if it is a large one that has
+/// the image's shape.
+fn shown_part(
+    device: &Device,
+    (from, [src, end]): End,
+    dst: [vk::Offset3D; 2],
+    window: &ViewTarget,
+) -> Option<AtlasRect> {
+    let (width, height) = device.images.size(from)?;
+    let part = AtlasRect { x: dst[0].x, y: dst[0].y, width: dst[1].x - dst[0].x, height: dst[1].y - dst[0].y };
+    let is_whole = (src.x, src.y, end.x, end.y) == (0, 0, width as i32, height as i32);
+    let fills = is_whole && device.images.may_fill_part((width, height), part, &window.layout);
+    if fills && device.images.note_part(part.into()) {
+        device.scene_graph.look_again();
+    }
+    fills.then_some(part)
+}
+
+/// Determines whether a copy is of everything, and the part of the window that it fills otherwise.
+/// Notes the result that it makes. `written`: the target.
+fn look(device: &Device, (from, src): End, (to, dst): End, written: Option<&ViewTarget>) -> (bool, Option<AtlasRect>) {
+    let everything = is_of_everything(device, (from, src), (to, dst), written);
+    let window = written.filter(|target| target.window && !everything);
+    let part = window.and_then(|window| shown_part(device, (from, src), dst, window));
+    if device.images.is_candidate(from) {
+        let follows = everything || part.is_some();
+        note_made(device, from, if follows { end_of(device, to) } else { Made::Elsewhere }, written.is_some());
+    }
+    (everything, part)
+}
+
 /// Plans a copy. If it cannot be followed, the program is shown flat.
 pub(super) fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, dst): End) -> CopyPlan {
     let (read, written) = (device.images.target_of_image(from), device.images.target_of_image(to));
     device.images.overwritten(to);
-    let everything = is_of_everything(device, (from, src), (to, dst), written.as_deref());
-    if device.images.is_candidate(from) {
-        note_made(device, from, if everything { end_of(device, to) } else { Made::Elsewhere }, written.is_some());
-    }
+    let (everything, part) = look(device, (from, src), (to, dst), written.as_deref());
     let drawn = |target: &Arc<ViewTarget>, in_views| {
         let event = Event::Drawn(Arc::clone(target), in_views);
         device.recordings.with(buffer, |recording| recording.events.push(event));
@@ -83,11 +120,16 @@ pub(super) fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): E
                 CopyPlan::Same
             }
         },
-        (Some(read), Some(target)) if everything && read.layout.has_views_of(&target.layout) => {
+        (None, Some(target)) if part.is_some() && device.scene_graph.may_be_followed() => {
             drawn(&target, true);
-            match Arc::ptr_eq(&read.layout, &target.layout) && !read.is_stored() {
+            CopyPlan::Panel(target)
+        }
+        (Some(read), Some(target)) if (everything || part.is_some()) && read.layout.has_views_of(&target.layout) => {
+            drawn(&target, true);
+            part.iter().for_each(|_| device.scene_graph.begin_waiting());
+            match Arc::ptr_eq(&read.layout, &target.layout) && !read.is_stored() && everything {
                 true => CopyPlan::Views(read.atlas, target),
-                false => CopyPlan::Scaled(read, target),
+                false => CopyPlan::Scaled(read, target, part),
             }
         }
         (_, Some(target)) => {
@@ -127,15 +169,6 @@ pub(super) fn has_own_picture(device: &Device, target: &ViewTarget) -> bool {
     target.is_stored() && !device.images.lacks_own_picture(target.given) && (!drawn || target.layout.own().is_some())
 }
 
-pub(super) fn moved(offset: vk::Offset3D, AtlasRect { x, y, .. }: AtlasRect) -> vk::Offset3D {
-    vk::Offset3D { x: offset.x + x, y: offset.y + y, z: offset.z }
-}
-
-fn extent(from: vk::Offset3D, size: vk::Extent3D) -> [vk::Offset3D; 2] {
-    let last = vk::Offset3D { x: from.x + size.width as i32, y: from.y + size.height as i32, z: 1 };
-    [from, last]
-}
-
 /// Corners of an empty copy.
 pub(super) const NOTHING: [vk::Offset3D; 2] = [vk::Offset3D { x: 0, y: 0, z: 0 }; 2];
 
@@ -143,94 +176,6 @@ pub(super) const NOTHING: [vk::Offset3D; 2] = [vk::Offset3D { x: 0, y: 0, z: 0 }
 fn atlas(target: &ViewTarget) -> vk::Extent3D {
     let (width, height) = target.layout.atlas;
     vk::Extent3D { width, height, depth: 1 }
-}
-
-/// Region of a command that copies, blits or resolves from image to image.
-trait Region: Clone {
-    /// Whether the command can change the size.
-    const SCALES: bool;
-    /// Whether the command resolves samples.
-    const RESOLVES: bool;
-    /// Returns the corners of the region that is read.
-    fn src(&self) -> [vk::Offset3D; 2];
-    /// Returns the corners of the region that is written.
-    fn dst(&self) -> [vk::Offset3D; 2];
-    /// Moves the region that is read to a rectangle.
-    fn read_at(&mut self, place: AtlasRect);
-    /// Changes the region to all of an image of this size.
-    fn take_all(&mut self, size: vk::Extent3D);
-    /// Changes the region to a copy from one rectangle to another.
-    fn take(&mut self, from: AtlasRect, to: AtlasRect);
-}
-
-/// Regions with one extent.
-macro_rules! sized {
-    ($($kind:ty, $resolves:literal);+) => { $( impl Region for $kind {
-        const SCALES: bool = false;
-        const RESOLVES: bool = $resolves;
-        fn src(&self) -> [vk::Offset3D; 2] {
-            extent(self.src_offset, self.extent)
-        }
-        fn dst(&self) -> [vk::Offset3D; 2] {
-            extent(self.dst_offset, self.extent)
-        }
-        fn read_at(&mut self, place: AtlasRect) {
-            self.src_offset = moved(self.src_offset, place);
-        }
-        fn take_all(&mut self, size: vk::Extent3D) {
-            self.extent = size;
-        }
-        /// Only blits change the size.
-        fn take(&mut self, from: AtlasRect, to: AtlasRect) {
-            (self.src_offset, self.dst_offset, self.extent) = (from.offset(), to.offset(), to.extent());
-        }
-    } )+ };
-}
-sized!(vk::ImageCopy, false; vk::ImageResolve, true; vk::ImageCopy2<'_>, false; vk::ImageResolve2<'_>, true);
-
-/// Regions with corners.
-macro_rules! scaled {
-    ($($kind:ty),+) => { $( impl Region for $kind {
-        const SCALES: bool = true;
-        const RESOLVES: bool = false;
-        fn src(&self) -> [vk::Offset3D; 2] {
-            self.src_offsets
-        }
-        fn dst(&self) -> [vk::Offset3D; 2] {
-            self.dst_offsets
-        }
-        fn read_at(&mut self, place: AtlasRect) {
-            self.src_offsets = self.src_offsets.map(|offset| moved(offset, place));
-        }
-        fn take_all(&mut self, size: vk::Extent3D) {
-            self.src_offsets = extent(vk::Offset3D::default(), size);
-            self.dst_offsets = self.src_offsets;
-        }
-        fn take(&mut self, from: AtlasRect, to: AtlasRect) {
-            self.src_offsets = extent(from.offset(), from.extent());
-            self.dst_offsets = extent(to.offset(), to.extent());
-        }
-    } )+ };
-}
-scaled!(vk::ImageBlit, vk::ImageBlit2<'_>);
-
-/// Blits a rectangle of an image in a layout to a rectangle of another image.
-///
-/// # Safety
-/// The command buffer is being recorded, outside of a pass.
-unsafe fn scale(
-    device: &Device,
-    buffer: vk::CommandBuffer,
-    (from, read, read_layout): (vk::Image, AtlasRect, vk::ImageLayout),
-    (to, written, layout): (vk::Image, AtlasRect, vk::ImageLayout),
-) {
-    let mut region = vk::ImageBlit::default().src_subresource(COLOR_LAYER).dst_subresource(COLOR_LAYER);
-    region.take(read, written);
-    // SAFETY: as promised; the rectangles lie in the images.
-    unsafe {
-        let filter = vk::Filter::LINEAR;
-        device.driver.functions.cmd_blit_image(buffer, from, read_layout, to, layout, &[region], filter);
-    }
 }
 
 /// Copies, blits or resolves with `next` (from, to, regions): as the program says, or according to
@@ -263,80 +208,17 @@ unsafe fn between<R: Region>(
             // SAFETY: as promised; the atlas has just been written in this layout.
             unsafe { view_copies::make(device, buffer, &target, layout) };
         }
-        CopyPlan::Scaled(read, target) => {
-            device.recordings.with(buffer, |recording| recording.samples(Arc::clone(&read)));
-            let same_size = read.layout.atlas == target.layout.atlas;
-            let same_format = device.images.format(from) == device.images.format(to);
-            if R::RESOLVES && !same_size {
-                device.show_flat("it resolves its picture into an image with other views");
-                return next(from, to, regions);
+        CopyPlan::Panel(target) => {
+            for tile in [Some(target.layout.panel), target.layout.primary].into_iter().flatten() {
+                next(from, target.atlas, &changed(&|region| region.write_at(tile)));
             }
-            // A copy keeps bits, and a blit keeps values. If the formats differ, the views are
-            // scaled in the format of the first image.
-            let scaled = match !R::SCALES && !same_format && !same_size {
-                true => match device.images.scaled_atlas(device, from, &target.layout) {
-                    Ok(image) => Some(image),
-                    Err(why) => {
-                        device.show_flat(why);
-                        return next(from, to, regions);
-                    }
-                },
-                false => None,
-            };
+        }
+        CopyPlan::Scaled(read, target, part) => {
+            let copy = ScaledCopy { device, buffer, given: from, read, target, part, layouts: [from_layout, layout] };
             // SAFETY: as promised.
-            let bring = |from: Use, to: Use| {
-                scaled.iter().for_each(|image| unsafe {
-                    barrier_of(&device.driver, buffer, (*image, read.aspects), from, to);
-                })
-            };
-            let of_view = |image: vk::Image, from: AtlasRect, to: AtlasRect| {
-                let (end, end_layout) = scaled.map_or((target.atlas, layout), |scaled| (scaled, COPIED_TO.layout));
-                let is_same = scaled.is_none() && (from.width, from.height) == (to.width, to.height);
-                match R::SCALES || is_same {
-                    true => next(image, target.atlas, &changed(&|region| region.take(from, to))),
-                    // SAFETY: as promised.
-                    false => unsafe { scale(device, buffer, (image, from, from_layout), (end, to, end_layout)) },
-                }
-            };
-            bring(left_in(from_layout), COPIED_TO);
-            let whole = |AtlasRect { width, height, .. }| AtlasRect { x: 0, y: 0, width, height };
-            // SAFETY: as promised; the atlas has just been written in this layout.
-            unsafe {
-                view_copies::read(device, buffer, &read, from_layout, || {
-                    // A filter would read texels beside a tile, but reads none beside an image.
-                    let mut view_copies = read.view_copies.iter();
-                    for (from, to) in read.layout.views.iter().zip(&target.layout.views) {
-                        match view_copies.next() {
-                            Some(view_copy) => of_view(view_copy.image, whole(from.rect), to.rect),
-                            None => of_view(read.atlas, from.rect, to.rect),
-                        }
-                    }
-                    if let Some(nothing) = &read.nothing {
-                        // In the window's atlas tiles have gaps between them, and a filter reads
-                        // texels beside the panel.
-                        let layout = &target.layout;
-                        let panel = if target.window { layout.panel_with_border() } else { layout.panel };
-                        of_view(nothing.image, AtlasRect { x: 0, y: 0, width: 1, height: 1 }, panel);
-                    }
-                });
-                // The program's image holds what compute shaders wrote, and also what was drawn, if
-                // that can be copied there.
-                let in_image = read.is_stored() && !device.images.lacks_own_picture(read.given);
-                match (in_image, target.layout.primary, read.layout.primary) {
-                    (true, Some(to), _) => of_view(read.given, whole(read.layout.panel), to),
-                    (false, Some(to), Some(from)) => of_view(read.atlas, from, to),
-                    _ => {}
-                }
-                if !read.is_stored() {
-                    // The panel of an off-screen scene is empty. Only its middle is read, so that a
-                    // filter reads no texels beside the panel.
-                    of_view(read.atlas, read.layout.panel.middle(), target.layout.panel);
-                }
-                bring(COPIED_TO, ready_in(from_layout));
-                if let Some(scaled) = scaled {
-                    next(scaled, target.atlas, &changed(&|region| region.take_all(atlas(&target))));
-                }
-                view_copies::make(device, buffer, &target, layout);
+            if let Err(why) = unsafe { copy.record(regions, &next) } {
+                device.show_flat(why);
+                next(from, to, regions);
             }
         }
     }

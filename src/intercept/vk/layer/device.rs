@@ -140,6 +140,7 @@ unsafe fn role(given: &vk::DeviceCreateInfo<'_>, active: bool, enabled: &Enabled
         active,
         corrects: settings::settings().is_some_and(|settings| !settings.rig.passthrough),
         vertices: enabled.decision.clone(),
+        counts_samples: enabled.counts_samples,
         // SAFETY: as promised.
         topologies_change: unsafe { enables(given, ext::extended_dynamic_state3::NAME) },
     }

@@ -1,6 +1,6 @@
 //! Features that Cupola enables on a device: geometry shaders, if the rig asks for divided
 //! primitives, and atomic operations, if the statistics count primitives that are not divided
-//! enough.
+//! enough. Exact occlusion queries measure the part of the window in which a program shows its scene.
 
 use crate::intercept::process::settings;
 use crate::intercept::vk::layer::device_structures::length_for_device;
@@ -9,14 +9,15 @@ use crate::intercept::vk::state::driver::structures::{Copied, in_chain};
 use crate::intercept::vk::state::views::vertices::VertexDecision;
 use ash::vk;
 
-/// The structure that creates a device, as the program gave it or with geometry shaders.
+/// The structure that creates a device, as the program gave it or with more features.
 pub struct Enabled<'a> {
     /// The structure. It points into other fields of this type.
     pub info: vk::DeviceCreateInfo<'a>,
     /// Vertex processing with these features.
     pub decision: VertexDecision,
-    _features: Option<Box<vk::PhysicalDeviceFeatures>>,
-    _chain: Option<Copied>,
+    /// True if occlusion queries count samples exactly.
+    pub counts_samples: bool,
+    _copies: [Copies; 2],
 }
 
 /// Enables the features that the rig needs. `looked_after`: Cupola has something to do on the
@@ -27,9 +28,9 @@ pub struct Enabled<'a> {
 pub unsafe fn enable<'a>(
     given: &vk::DeviceCreateInfo<'a>,
     looked_after: bool,
-    has: impl FnOnce() -> vk::PhysicalDeviceFeatures,
+    has: impl Fn() -> vk::PhysicalDeviceFeatures,
 ) -> Enabled<'a> {
-    let (mut info, mut features, mut chain) = (*given, None, None);
+    let (mut info, mut copies) = (*given, Copies::default());
     let settings = settings::settings().filter(|_| looked_after);
     let decision = projected_vertices::decide(settings.map(|settings| &settings.rig), || {
         let has = has();
@@ -44,37 +45,62 @@ pub unsafe fn enable<'a>(
         // SAFETY: as promised.
         let mut ways = ways.filter_map(|counts| unsafe { with_geometry(&mut info, counts) }.zip(Some(counts)));
         let counts;
-        ((features, chain), counts) = ways.next().ok_or(projected_vertices::NO_WAY)?;
+        (copies, counts) = ways.next().ok_or(projected_vertices::NO_WAY)?;
         Ok(counts)
     });
-    Enabled { info, decision, _features: features, _chain: chain }
+    let corrects = settings.is_some_and(|settings| !settings.rig.passthrough);
+    let exact = corrects && has().occlusion_query_precise == vk::TRUE;
+    // SAFETY: as promised.
+    let exact =
+        exact.then(|| unsafe { with_features(&mut info, |features| features.occlusion_query_precise = vk::TRUE) });
+    let exact = exact.flatten();
+    let counts_samples = exact.is_some();
+    Enabled { info, decision, counts_samples, _copies: [copies, exact.unwrap_or_default()] }
 }
 
 /// Copies of structures that `info` points at then.
 type Copies = (Option<Box<vk::PhysicalDeviceFeatures>>, Option<Copied>);
 
-/// Enables geometry shaders in `info`, with `counts` also what they need to count. The program's
-/// structures are not changed. `None` if this is not possible.
+/// Enables geometry shaders in `info`, with `counts` also what they need to count. `None` if this is
+/// not possible.
+///
+/// # Safety
+/// As for [`with_features`].
+unsafe fn with_geometry(info: &mut vk::DeviceCreateInfo<'_>, counts: bool) -> Option<Copies> {
+    let enable = |features: &mut vk::PhysicalDeviceFeatures| {
+        features.geometry_shader = vk::TRUE;
+        if counts {
+            features.vertex_pipeline_stores_and_atomics = vk::TRUE;
+        }
+    };
+    // SAFETY: as promised.
+    unsafe { with_features(info, enable) }
+}
+
+/// Enables features in `info`. The program's structures are not changed. `None` if this is not
+/// possible.
 ///
 /// # Safety
 /// `info` must be a copy of the program's.
-unsafe fn with_geometry(info: &mut vk::DeviceCreateInfo<'_>, counts: bool) -> Option<Copies> {
+unsafe fn with_features(
+    info: &mut vk::DeviceCreateInfo<'_>,
+    enable: impl Fn(&mut vk::PhysicalDeviceFeatures),
+) -> Option<Copies> {
     let complete = |features: &vk::PhysicalDeviceFeatures| {
         let mut complete = *features;
-        complete.geometry_shader = vk::TRUE;
-        if counts {
-            complete.vertex_pipeline_stores_and_atomics = vk::TRUE;
-        }
+        enable(&mut complete);
         complete
+    };
+    // Features that matter here: the others do not change.
+    let enabled = |features: &vk::PhysicalDeviceFeatures| {
+        [features.geometry_shader, features.vertex_pipeline_stores_and_atomics, features.occlusion_query_precise]
     };
     // SAFETY: as promised.
     unsafe {
         let kind = vk::StructureType::PHYSICAL_DEVICE_FEATURES_2;
         if let Some(given) = in_chain::<vk::PhysicalDeviceFeatures2<'_>>(info.p_next, kind) {
-            let (own, wanted) = (&given.features, complete(&given.features));
-            if (own.geometry_shader, own.vertex_pipeline_stores_and_atomics)
-                == (wanted.geometry_shader, wanted.vertex_pipeline_stores_and_atomics)
-            {
+            let wanted = complete(&given.features);
+            if enabled(&given.features) == enabled(&wanted) {
                 return Some((None, None));
             }
             let mut chain = Copied::up_to(info.p_next, kind, length_for_device)?;

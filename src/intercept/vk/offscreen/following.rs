@@ -9,7 +9,7 @@
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::scene::viewport;
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::images::Images;
+use crate::intercept::vk::state::images::{Image, Images};
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::views::view_target::ViewTarget;
 use crate::lock::Lock;
@@ -23,11 +23,17 @@ impl Images {
     /// # Errors
     /// The request that the driver refuses. The image is then drawn as the program's own.
     pub fn follow(&self, device: &Device, layout: &Arc<AtlasLayout>) -> Result<(), Obstacle> {
+        device.scene_graph.begin_waiting();
         for image in self.duplicated() {
             let old = {
                 let mut images = self.images.locked();
-                let fits = |size: (u32, u32)| viewport::has_shape(size.0.into(), size.1.into(), layout.window);
-                let state = images.get_mut(&image).filter(|state| fits(state.size));
+                let fits = |state: &Image| {
+                    let (width, height) = (state.size.0.into(), state.size.1.into());
+                    // A part of another window is not known until it is seen again.
+                    let in_part = state.target.as_ref().is_some_and(|target| target.layout.part.is_some());
+                    in_part || viewport::has_shape(width, height, layout.window)
+                };
+                let state = images.get_mut(&image).filter(|state| fits(state));
                 let even = self.even.load(Ordering::Relaxed);
                 let own_read = self.own_read.load(Ordering::Relaxed);
                 let other = |target: &mut Arc<ViewTarget>| {
@@ -60,6 +66,7 @@ impl Images {
         let mut all = std::mem::take(&mut *self.retired.locked());
         all.extend(self.of_window.locked().take());
         all.iter().for_each(|target| self.destroy_view_copies(device, target));
+        self.clear_coverage(device);
     }
 
     /// Destroys the view copies of a scene and their views.

@@ -265,6 +265,7 @@ hooks! {
         if let Some(target) = gone.as_ref().and_then(|image| image.target.as_ref()) {
             state.images.destroy_view_copies(&state, target);
         }
+        state.images.forget_coverage(image);
         state.scene_graph.forget(image);
         next(device, image, allocator)
     } }

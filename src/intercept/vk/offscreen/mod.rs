@@ -10,6 +10,7 @@
 //! scene ─ draws ─► atlas of the image ─ view copies ─ sampled by each view's draw ─► window's atlas
 //! ```
 
+pub mod coverage;
 pub mod following;
 pub mod images;
 pub mod scene_graph;

@@ -131,7 +131,7 @@ pub fn pictures(device: &Device, recording: &Recording) -> Vec<vk::Image> {
     views.into_iter().filter_map(|view| device.images.candidate_of(view)).collect()
 }
 
-fn views_by(
+pub(super) fn views_by(
     device: &Device,
     recording: &Recording,
     of: impl Fn(vk::DescriptorSet) -> Vec<vk::ImageView>,

@@ -55,12 +55,9 @@ impl Images {
             let described = scaled || state.usage.intersects(read);
             (state.kind(), state.flags, described && state.is_single(), state.size, state.mip_levels)
         };
-        if !viewport::has_shape(size.0.into(), size.1.into(), layout.window) {
-            return Ok(());
-        }
         let most = device.driver.greatest_image();
         let window = layout.window;
-        let layout = &self.layout_of(layout, size, most);
+        let Some(layout) = &self.layout_of(layout, size, most) else { return Ok(()) };
         if layout.atlas.0.max(layout.atlas.1) > most {
             return Err("an image of its scene has no room for all views".into());
         }
@@ -150,11 +147,17 @@ impl Images {
         Ok(Some(ViewCopies { of: Arc::downgrade(&target), views: all, layout: target.kept }))
     }
 
-    /// Returns the layout of off-screen scenes of `size` that lead to a window of `layout`.
-    pub(super) fn layout_of(&self, layout: &Arc<AtlasLayout>, size: (u32, u32), most: u32) -> Arc<AtlasLayout> {
-        match self.even.load(Ordering::Relaxed) {
-            true => layout.even(size, self.own_read.load(Ordering::Relaxed)),
-            false => layout.of_image(size, most),
-        }
+    /// Returns the layout of off-screen scenes of `size` that lead to a window of `layout`; `None` if
+    /// they have another shape.
+    fn layout_of(&self, layout: &Arc<AtlasLayout>, size: (u32, u32), most: u32) -> Option<Arc<AtlasLayout>> {
+        let (width, height) = (size.0.into(), size.1.into());
+        let part = match viewport::has_shape(width, height, layout.window) {
+            true => None,
+            false => Some(AtlasRect::from(self.parts.locked().of_shape(width, height)?)),
+        };
+        Some(match self.even.load(Ordering::Relaxed) {
+            true => layout.even(size, part, self.own_read.load(Ordering::Relaxed)),
+            false => layout.of_image(size, part, most),
+        })
     }
 }

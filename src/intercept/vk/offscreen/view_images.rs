@@ -109,7 +109,7 @@ impl Images {
     /// # Errors
     /// The request that the driver refuses.
     pub fn make_window_copies(&self, device: &Device, window: &ViewTarget) -> Result<Arc<ViewTarget>, Obstacle> {
-        let layout = window.layout.even(window.layout.window, self.own_read.load(Ordering::Relaxed));
+        let layout = window.layout.even(window.layout.window, None, self.own_read.load(Ordering::Relaxed));
         if let Some(known) = self.window_copies(window).filter(|known| Arc::ptr_eq(&known.layout, &layout)) {
             return Ok(known);
         }

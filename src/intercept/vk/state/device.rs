@@ -18,9 +18,10 @@ use crate::intercept::vk::state::swapchains::Swapchains;
 use crate::intercept::vk::state::views::vertices::{VertexDecision, VertexProcessing};
 use crate::intercept::vk::state::views::view_constants::{ConstantPool, SlotParts};
 use crate::lock::{Lock, SharedLock};
+use crate::rig::Duplicate;
 use crate::runtime::frame_times::FrameTimes;
 use ash::vk;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex, RwLock};
 
@@ -72,6 +73,8 @@ pub struct Role {
     pub(in crate::intercept::vk) corrects: bool,
     /// How shaders process vertices.
     pub(in crate::intercept::vk) vertices: VertexDecision,
+    /// True if occlusion queries count samples exactly.
+    pub(in crate::intercept::vk) counts_samples: bool,
     /// True if commands may change the class of the primitives of a pipeline.
     pub(in crate::intercept::vk) topologies_change: bool,
 }
@@ -128,6 +131,12 @@ impl Device {
     /// view.
     pub fn atlas_copies(&self, image: vk::Image) -> Vec<vk::Image> {
         if self.draws_views() { self.images.atlas_copies(image) } else { Vec::new() }
+    }
+
+    /// Returns the reasons why images with a scene are drawn only once, with the number of images
+    /// for each reason.
+    pub fn single_images(&self, rule: Duplicate) -> BTreeMap<String, u64> {
+        self.scene_graph.single(rule, |image| self.images.is_shown_small(image))
     }
 
     /// Returns a queue with its family.

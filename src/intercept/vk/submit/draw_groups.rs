@@ -23,6 +23,7 @@ use crate::intercept::vk::submit::inspected;
 use crate::lock::Lock;
 use crate::runtime::session::Intrinsics;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 /// Matrices that do not change positions, not even by rounding.
 const IDENTITY: ReprojectionMatrix = ReprojectionMatrix::IDENTITY;
@@ -49,12 +50,22 @@ impl Frame {
             self.layout = Some(Arc::clone(layout));
             self.cameras.clear();
             self.sampled = None;
-            self.behind = layout.session.panel_rows().iter().map(ReprojectionMatrix::of).collect();
+            self.behind_part = None;
         }
     }
 }
 
 impl Frame {
+    /// Computes the matrices that show, in each view, the panel or the part of it that belongs to an
+    /// image of this layout.
+    fn prepare_behind(&mut self, layout: &AtlasLayout) {
+        let part = layout.panel_part();
+        if self.behind_part.replace(part) != Some(part) {
+            let rows = layout.session.panel_rows();
+            self.behind = rows.iter().map(|whole| ReprojectionMatrix::of(&part.reprojection(whole))).collect();
+        }
+    }
+
     /// Returns the number of samples that show the field of view of a lens, in all views. `own`:
     /// number of samples of the primary view.
     fn samples(&mut self, lens: &Intrinsics, layout: &AtlasLayout, own: f64) -> f64 {
@@ -104,6 +115,7 @@ fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Runn
                 crate::intercept::vk::offscreen::scene_graph::ran(device, targets, sources)
             }
             Event::Computed(images) => crate::intercept::vk::offscreen::scene_graph::computed(device, images),
+            Event::Measured(block) => block.submitted.store(true, Ordering::Relaxed),
             Event::BeginQuery(pool, query) => queries.push(RunningQuery::new(Arc::clone(pool), *query)),
             Event::EndQuery(pool, query) => {
                 let ended = queries.iter().position(|running| running.is(pool, *query));
@@ -134,7 +146,10 @@ fn sample_scale(device: &Device, group: &DrawGroup) -> SampleScale {
     let same = repeated + views.iter().filter(|view| view.own_lens).count() as f64;
     let seen = match group.last {
         Some(DrawClass::Scene(lens)) => repeated + frame.samples(&lens, layout, of_window) / of_window,
-        Some(DrawClass::Screen) => repeated + views.iter().map(|view| view.rect.area()).sum::<f64>() / own,
+        Some(DrawClass::Screen) => {
+            let shown = group.facts.part.map_or(own, AtlasRect::area);
+            repeated + views.iter().map(|view| view.rect.area()).sum::<f64>() / shown
+        }
         Some(DrawClass::Flat) if !group.facts.off_screen && !layout.shows_own_lens() => same + 1.0,
         // The draw covers the area of the panel in the views, which is about as large as the panel.
         _ => same.max(1.0),
@@ -153,7 +168,8 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     let facts = &group.facts;
     frame.counts.seen += group.draws;
     let in_views = facts.in_views && device.draws_views();
-    let settled = group.lens.filter(|_| in_views).and_then(|(told, how)| {
+    // What fills a rectangle of the window is a picture, although it may have a perspective.
+    let settled = group.lens.filter(|_| in_views && facts.part.is_none()).and_then(|(told, how)| {
         let (width, height) = group.layout.window;
         let lens = told.settled(frame.cameras.lenses(), f64::from(width) / f64::from(height))?;
         Some((lens, how))
@@ -171,6 +187,9 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     camera.into_iter().for_each(|index| frame.cameras.show(index));
     if group.last != Some(outcome) || functions_changed {
         group.last = Some(outcome);
+        if outcome == DrawClass::Behind {
+            frame.prepare_behind(&group.layout);
+        }
         camera_matrices::write(device, group, outcome, &mut frame, chunks);
         let of_views = match camera {
             Some(index) => frame.cameras.get(index).map(|camera| &camera.reprojections),
@@ -220,12 +239,17 @@ fn classify(
     let facts = &group.facts;
     match settled {
         Some((intrinsics, how)) => {
-            frame.order.note_scene();
+            // Flat drawing in the window is beside a part, and not behind it.
+            if group.layout.part.is_none() {
+                frame.order.note_scene();
+            }
             *frame.counts.found.entry(how).or_default() += group.draws;
             DrawClass::Scene(intrinsics)
         }
         None if facts.screen && in_views => {
-            frame.order.note_scene();
+            if facts.part.is_none() {
+                frame.order.note_scene();
+            }
             DrawClass::Screen
         }
         None if facts.sky && in_views && group.cameras.holds_inverse(facts) => {

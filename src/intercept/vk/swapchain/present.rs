@@ -102,6 +102,7 @@ unsafe fn prepare(
     ready: &mut Option<Vec<vk::Semaphore>>,
 ) -> bool {
     device.frame.locked().end(device.draws_views(), || off_screen(device));
+    crate::intercept::vk::offscreen::coverage::take_results(device);
     crate::intercept::vk::offscreen::scene_graph::decide(device);
     let Some(settings) = settings::settings() else { return true };
     if settings.needs_statistics() {
@@ -245,7 +246,7 @@ unsafe fn timed_make(
 /// Returns the kind of the program's drawing to images.
 fn off_screen(device: &Device) -> OffScreen {
     let rule = settings::settings().map_or(Duplicate::Auto, |settings| settings.rig.views.duplicate);
-    match device.scene_graph.single(rule).into_keys().next() {
+    match device.single_images(rule).into_keys().next() {
         Some(reason) => OffScreen::Scene(Some(reason)),
         None if device.images.has_candidates() => OffScreen::Flat,
         None => OffScreen::Nothing,
@@ -386,7 +387,7 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> S
         draws_out_of_sight: counts.left_out,
         lenses,
         duplicated_framebuffers: device.images.duplicated().count() as u64,
-        single_framebuffers: device.scene_graph.single(rig.views.duplicate),
+        single_framebuffers: device.single_images(rig.views.duplicate),
         coarse_primitives: coarse(device),
         undivided_pipelines: divided.undivided(),
         projection_found: counts.found.iter().map(|(how, draws)| ((*how).to_owned(), *draws)).collect(),

@@ -4,41 +4,11 @@ use crate::correct::LowerLeftRect;
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::state::compat::projection;
 use crate::intercept::scene::frame_order::FrameOrder;
+use crate::intercept::scene::viewport::parts::PanelPart;
 use crate::runtime::session::{ClipRows, Session};
 
 /// Least w of a point in a view. A point with a smaller w is outside of the view.
 const LEAST_W: f64 = 1e-6;
-
-/// Part of the panel that a viewport covers: scale and offset of clip coordinates to the right and
-/// upwards.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PanelPart {
-    scale: [f64; 2],
-    offset: [f64; 2],
-}
-
-impl Default for PanelPart {
-    fn default() -> Self {
-        Self { scale: [1.0; 2], offset: [0.0; 2] }
-    }
-}
-
-impl PanelPart {
-    /// Returns the part for a viewport in a picture of this size.
-    pub fn of(viewport: LowerLeftRect, [width, height]: [i32; 2]) -> Self {
-        let LowerLeftRect { x, y, width: across, height: up } = viewport;
-        let part = |length: i32, all: i32| f64::from(length) / f64::from(all.max(1));
-        let (scale, start) = ([part(across, width), part(up, height)], [part(x, width), part(y, height)]);
-        Self { scale, offset: std::array::from_fn(|i| 2.0 * start[i] + scale[i] - 1.0) }
-    }
-
-    /// Returns the reprojection for this part, from that for the whole panel.
-    fn reprojection(&self, whole: &ClipRows) -> ClipRows {
-        let ([across, up], [right, above]) = (self.scale, self.offset);
-        let row = |[x, y, w, q]: [f64; 4]| [x * across, y * up, x * right + y * above + w, q];
-        ClipRows { x: row(whole.x), y: row(whole.y), w: row(whole.w), ..*whole }
-    }
-}
 
 /// Order and matrices of flat drawing that comes before the scene in a frame.
 #[derive(Default)]
@@ -135,23 +105,5 @@ impl Background {
             );
         }
         !self.reprojections.is_empty()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::PanelPart;
-    use crate::correct::LowerLeftRect;
-    use crate::runtime::session::ClipRows;
-
-    #[test]
-    fn the_corners_of_a_viewport_are_those_of_its_part() {
-        let row = |at: usize| std::array::from_fn(|i| if i == at { 1.0 } else { 0.0 });
-        let whole = ClipRows { x: row(0), y: row(1), w: row(2), e: 0.0, curved: false, depth: [0.5, 0.0] };
-        let part = PanelPart::of(LowerLeftRect::new(100, 0, 100, 50), [400, 200]).reprojection(&whole);
-        let at = |row: [f64; 4], [x, y]: [f64; 2]| row[0] * x + row[1] * y + row[2];
-        for (corner, expected) in [([-1.0, -1.0], [-0.5, -1.0]), ([1.0, 1.0], [0.0, -0.5])] {
-            assert_eq!([at(part.x, corner), at(part.y, corner), at(part.w, corner)], [expected[0], expected[1], 1.0]);
-        }
     }
 }

@@ -12,7 +12,7 @@ pub mod publishing;
 pub mod statistics;
 
 use crate::correct::LowerLeftRect;
-use crate::intercept::gl::state::frame::background::{Background, PanelPart};
+use crate::intercept::gl::state::frame::background::Background;
 use crate::intercept::gl::state::frame::device_times::DeviceTimes;
 use crate::intercept::gl::state::frame::draw_count::DrawCount;
 use crate::intercept::gl::state::frame::front_buffer::FrontBufferThrottle;
@@ -22,6 +22,7 @@ use crate::intercept::process::small_window::SmallWindow;
 use crate::intercept::scene::camera::Cameras;
 use crate::intercept::scene::culling_program::CullingProgram;
 use crate::intercept::scene::flat_program::{FlatProgram, MissingLens};
+use crate::intercept::scene::viewport::parts::PanelPart;
 use crate::runtime::frame_times::FrameTimes;
 use crate::runtime::session::{Intrinsics, Session};
 use std::sync::{Arc, Mutex};

@@ -3,6 +3,7 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::offscreen::images::Set;
+use crate::intercept::scene::viewport::parts::{ARMS, Filled, Picture};
 
 /// Flat draws to the window that sample followed images, and flat draws into such images.
 #[derive(Default)]
@@ -35,9 +36,6 @@ pub(in crate::intercept::gl) enum State {
     Known(Option<LowerLeftRect>),
 }
 
-/// Number of arms of the cross that finds the borders of a rectangle.
-pub(in crate::intercept::gl) const ARMS: usize = 4;
-
 /// The measurement of one draw.
 #[derive(Clone, Copy)]
 pub struct Measure {
@@ -56,55 +54,6 @@ pub(in crate::intercept::gl) enum Measured {
     Borders,
 }
 
-/// The window, or an image that draws fill.
-#[derive(Clone, Copy)]
-pub struct Picture {
-    /// Width and height.
-    pub(in crate::intercept::gl) size: [i32; 2],
-    /// Samples per pixel, at least 1.
-    pub(in crate::intercept::gl) samples: i64,
-}
-
-impl Picture {
-    /// Rectangle of the whole picture.
-    pub(in crate::intercept::gl) fn whole(&self) -> LowerLeftRect {
-        LowerLeftRect::new(0, 0, self.size[0], self.size[1])
-    }
-
-    /// Number of samples.
-    fn all(&self) -> i64 {
-        let [width, height] = self.size.map(i64::from);
-        width * height * self.samples
-    }
-
-    /// Returns the rectangles of the arms: from the middle to the left, to the right, downwards and
-    /// upwards, one pixel wide. A rectangle of more than half of the picture has the middle in it.
-    pub(in crate::intercept::gl) fn arms(&self) -> [LowerLeftRect; ARMS] {
-        let ([width, height], [x, y]) = (self.size, self.middle());
-        [
-            LowerLeftRect::new(0, y, x, 1),
-            LowerLeftRect::new(x, y, width - x, 1),
-            LowerLeftRect::new(x, 0, 1, y),
-            LowerLeftRect::new(x, y, 1, height - y),
-        ]
-    }
-
-    fn middle(&self) -> [i32; 2] {
-        self.size.map(|length| length / 2)
-    }
-
-    /// Returns the rectangle that has `arms` samples in the arms. `None`: a draw with `samples`
-    /// samples does not fill this rectangle alone.
-    fn rectangle(&self, arms: [i64; ARMS], samples: i64) -> Option<LowerLeftRect> {
-        let [left, right, below, above] = arms.map(|count| (count / self.samples) as i32);
-        let [x, y] = self.middle();
-        let rect = LowerLeftRect::new(x - left, y - below, left + right, below + above);
-        let area = i64::from(rect.width) * i64::from(rect.height) * self.samples;
-        // Rounded corners and thin lines may be left out.
-        (50 * (area - samples).abs() <= area && 2 * area > self.all()).then_some(rect)
-    }
-}
-
 impl Coverage {
     /// Forgets all kinds, as images have other indices in the list or the window has another size.
     pub fn clear(&mut self, gl: &Gl) {
@@ -120,13 +69,11 @@ impl Coverage {
         for kind in &mut self.0 {
             let state = match kind.state {
                 State::Measured(query, picture) => {
-                    let (samples, all) = (take_result(gl, query), picture.all());
-                    if 10 * samples >= 9 * all {
-                        State::Known(Some(picture.whole()))
-                    } else if kind.signature.sampled != 0 && 2 * samples > all {
-                        State::Large(samples, picture)
-                    } else {
-                        State::Known(None)
+                    let samples = take_result(gl, query);
+                    match picture.filled(samples) {
+                        Filled::Whole => State::Known(Some(picture.whole())),
+                        Filled::Large if kind.signature.sampled != 0 => State::Large(samples, picture),
+                        Filled::Large | Filled::Small => State::Known(None),
                     }
                 }
                 State::Crossed(queries, samples, picture) => {
@@ -164,48 +111,5 @@ impl Kind {
         };
         // SAFETY: objects of Cupola.
         unsafe { gl.delete_queries(queries.len() as i32, queries.as_ptr()) };
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{ARMS, LowerLeftRect, Picture};
-
-    /// Number of samples in each arm of a draw that fills `rect`.
-    fn counted(picture: Picture, rect: LowerLeftRect) -> [i64; ARMS] {
-        picture.arms().map(|arm| {
-            let common = |a: i32, b: i32, from: i32, to: i32| i64::from((b.min(to) - a.max(from)).max(0));
-            common(arm.x, arm.x + arm.width, rect.x, rect.x + rect.width)
-                * common(arm.y, arm.y + arm.height, rect.y, rect.y + rect.height)
-                * picture.samples
-        })
-    }
-
-    #[test]
-    fn a_cross_finds_a_large_rectangle() {
-        let whole = |size: [i32; 2]| LowerLeftRect::new(0, 0, size[0], size[1]);
-        for (size, samples, rect) in [
-            ([640, 480], 1, LowerLeftRect::new(0, 0, 500, 480)),
-            ([640, 480], 4, LowerLeftRect::new(139, 20, 501, 457)),
-            ([641, 481], 1, LowerLeftRect::new(60, 33, 481, 400)),
-            ([1, 1], 1, whole([1, 1])),
-            ([3, 5], 2, whole([3, 5])),
-        ] {
-            let (picture, samples_drawn) = (Picture { size, samples }, i64::from(rect.width * rect.height) * samples);
-            assert_eq!(picture.rectangle(counted(picture, rect), samples_drawn), Some(rect), "{size:?}");
-        }
-    }
-
-    #[test]
-    fn other_shapes_and_small_parts_are_none() {
-        let picture = Picture { size: [100, 100], samples: 1 };
-        let rect = LowerLeftRect::new(10, 10, 80, 80);
-        // A disc of that width, and a frame without its middle.
-        for samples in [5027, 3000] {
-            assert_eq!(picture.rectangle(counted(picture, rect), samples), None);
-        }
-        assert_eq!(picture.rectangle([0; ARMS], 6400), None);
-        let half = LowerLeftRect::new(0, 0, 50, 100);
-        assert_eq!(picture.rectangle(counted(picture, half), 5000), None);
     }
 }

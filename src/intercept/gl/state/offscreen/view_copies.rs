@@ -8,14 +8,10 @@ use crate::intercept::gl::state::offscreen::framebuffers::Framebuffer;
 use crate::intercept::gl::state::offscreen::images::{Image, Name, Pair, Set};
 use crate::intercept::gl::state::offscreen::issued::Issued;
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
-use crate::intercept::scene::viewport;
+use crate::intercept::scene::viewport::parts::Parts;
 use crate::lock::Lock;
 use glam::DMat3;
 use std::sync::Mutex;
-
-/// Greatest number of parts of the window that are remembered. A window that changes its size makes
-/// more of them.
-const MOST_PARTS: usize = 8;
 
 /// Records of the program's framebuffers.
 #[derive(Default)]
@@ -24,7 +20,7 @@ pub struct ViewCopies {
     pub(in crate::intercept::gl) framebuffers: Vec<Framebuffer>,
     pub(in crate::intercept::gl) coverage: Coverage,
     /// Parts of the window that images of the program fill.
-    pub(in crate::intercept::gl) parts: Vec<LowerLeftRect>,
+    pub(in crate::intercept::gl) parts: Parts,
     /// True if the view copy of the program's draw framebuffer is bound in its place.
     pub(in crate::intercept::gl) bound: bool,
     /// True if new facts about the images were found in this frame.
@@ -75,7 +71,7 @@ pub struct InspectedPass {
 #[derive(Default)]
 pub struct SharedViewCopies {
     pub(in crate::intercept::gl) images: Vec<Image>,
-    pub(in crate::intercept::gl) parts: Vec<LowerLeftRect>,
+    pub(in crate::intercept::gl) parts: Parts,
     pub(in crate::intercept::gl) learnt: bool,
     pub(in crate::intercept::gl) own_picture: bool,
     pub(in crate::intercept::gl) issued: Issued,
@@ -107,24 +103,6 @@ impl ViewCopies {
     /// Notes that the window was changed by something other than a draw.
     pub fn window_changed(&mut self) {
         self.displayed.current = None;
-    }
-
-    /// Notes that an image of the program fills a part of the window.
-    pub fn note_part(&mut self, part: LowerLeftRect) {
-        if !self.parts.contains(&part) {
-            self.parts.truncate(MOST_PARTS - 1);
-            self.parts.insert(0, part);
-        }
-    }
-
-    /// Returns the part of the window that a picture of this size fills, by its shape. `None`: no part
-    /// is known that has this shape.
-    pub fn part_of([width, height]: [i32; 2], parts: &[LowerLeftRect]) -> Option<LowerLeftRect> {
-        let has_shape = |part: &&LowerLeftRect| {
-            let size = (part.width.max(0) as u32, part.height.max(0) as u32);
-            viewport::has_shape_of_window(width.into(), height.into(), size)
-        };
-        parts.iter().find(has_shape).copied()
     }
 
     /// Gives the shared records back to the group, as the context is not current any more.

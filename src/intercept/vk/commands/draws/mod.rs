@@ -7,6 +7,7 @@
 
 pub mod hooks;
 pub mod indirect;
+pub mod parts;
 pub mod rebind;
 pub mod replicate;
 pub mod tiles;

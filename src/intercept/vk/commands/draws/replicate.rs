@@ -15,15 +15,18 @@ use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::scene::to_window::Area;
 use crate::intercept::vk::commands::bound_state::set_window;
 use crate::intercept::vk::commands::draws::indirect;
+use crate::intercept::vk::commands::draws::parts;
 use crate::intercept::vk::commands::draws::rebind::{rebind, restore};
 use crate::intercept::vk::commands::draws::tiles::{
     PerViewSet, ProgramWindow, TileDraws, cut_to_tile, is_main, move_to_tile,
 };
 use crate::intercept::vk::commands::passes::panel_clears::clear_pending;
+use crate::intercept::vk::offscreen::coverage::{self, Measurable, Shown};
 use crate::intercept::vk::offscreen::scene_graph::{self, Cover};
 use crate::intercept::vk::pipelines::matrix_sources::source;
 use crate::intercept::vk::spirv::DescriptorPlace;
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::images::coverage::QueryBlock;
 use crate::intercept::vk::state::images::scene_graph::Made;
 use crate::intercept::vk::state::pipelines::{CameraMatrix, Pipeline, Variants};
 use crate::intercept::vk::state::recording::draw_groups::{
@@ -51,6 +54,8 @@ struct Classified {
     facts: DrawFacts,
     program: ProgramWindow,
     sets: Vec<PerViewSet>,
+    /// Queries that measure it.
+    measured: Option<Arc<QueryBlock>>,
 }
 
 /// Tiles that a draw goes to.
@@ -79,14 +84,20 @@ pub unsafe fn draw_to_views(draw: &ProgramDraw<'_>, recording: &mut Recording) {
         let Some(classified) = classify(draw, recording, variants, &layout) else {
             return issue_flat(draw, recording, &layout);
         };
-        let Classified { facts, program, sets } = classified;
+        let Classified { facts, program, sets, measured } = classified;
+        let part = facts.part;
         let Some(selected) = select(draw, recording, &layout, facts) else {
             return issue_flat(draw, recording, &layout);
         };
         let Selected { constants, views, on_panel, indirect } = selected;
         let (device, buffer, pipeline, window) = (draw.device, draw.buffer, draw.pipeline, layout.window);
-        let tiles = TileDraws { device, buffer, recording, pipeline, variants, constants, program, window, indirect };
-        issue(tiles, &layout, views, on_panel, sets, draw.issue);
+        part.into_iter().for_each(|part| parts::clear_part(device, buffer, &layout, part));
+        let mut tiles =
+            TileDraws { device, buffer, recording, pipeline, variants, constants, program, window, part, indirect };
+        issue(&mut tiles, &layout, views, on_panel, sets, draw.issue);
+        if let Some(block) = measured {
+            parts::measure(&mut tiles, &layout, views + 1, block, draw.issue);
+        }
     }
 }
 
@@ -143,19 +154,13 @@ fn classify(
     let main = is_main(&program.viewport, layout.window);
     let covers = draw.size.may_cover_viewport();
     let first = draw.size.first_instance();
-    let sources: Vec<MatrixSource> = match variants.follows && main {
-        true => variants.matrices.iter().filter_map(|m| source(device, recording, m, first)).collect(),
-        false => Vec::new(),
-    };
-    let missing_lens = match variants.matrices.first() {
-        _ if !main => MissingLens::PartOfWindow,
-        Some(matrix) => matrix.memory.if_unreadable(),
-        None => variants.missing_lens,
-    };
+    let (sources, missing_lens) = lens_sources(draw, recording, variants, main);
     let ours = draw.pipeline.layout.as_ref().map_or(0, |layout| layout.ours);
     let sets = per_view_sets(device, recording, layout, ours).map_err(|why| device.show_flat(why)).ok()?;
     let (has_matrices, told_place) = (!sources.is_empty(), variants.moves_place);
-    note_pictures(device, recording, Cover { main_picture: main, few_vertices: covers, has_matrices, told_place });
+    let shown = shown(draw, recording, variants, &program, layout);
+    let cover = Cover { main_picture: main, few_vertices: covers, has_matrices, told_place };
+    note_pictures(device, recording, cover, &shown);
     let pictures: Vec<_> = variants.pictures.iter().map(|place| shown_layout(device, recording, *place)).collect();
     let of_camera = |camera: &CameraMatrix| {
         let CameraMatrix { matrix, called, stage, inverted } = *camera;
@@ -165,7 +170,9 @@ fn classify(
     // A flat draw may be a sky, or another picture that is computed from pixel positions.
     let sky = main && sets.is_empty() && !cameras.is_empty();
     let pass = recording.pass.as_mut()?;
-    let (screen, off_screen) = (!sets.is_empty() && main && covers, !pass.target.window);
+    let off_screen = !pass.target.window;
+    let screen = !sets.is_empty() && main && covers && !shown.is_flat();
+    let part = shown.part().filter(|_| screen);
     if !sets.is_empty() && main && variants.loses_place {
         device.show_flat("a shader that reads a picture of its scene uses its position on the screen");
     }
@@ -181,7 +188,7 @@ fn classify(
     if !sources.is_empty() {
         recording.y_up = y_up;
     }
-    let viewport = variants.moves_place.then(|| area(&program.viewport));
+    let viewport = variants.moves_place.then(|| part.map_or_else(|| area(&program.viewport), Area::from));
     let facts = DrawFacts {
         sources,
         missing_lens,
@@ -192,11 +199,55 @@ fn classify(
         viewport,
         pictures,
         screen,
+        part,
         fills,
         cameras,
         sky,
     };
-    Some(Classified { facts, program, sets })
+    Some(Classified { facts, program, sets, measured: shown.queries() })
+}
+
+/// Returns the matrices that may contain the lens of a draw, and the reason why it has none if they
+/// cannot be read. `main`: its viewport shows the main picture.
+fn lens_sources(
+    draw: &ProgramDraw<'_>,
+    recording: &Recording,
+    variants: &Variants,
+    main: bool,
+) -> (Vec<MatrixSource>, MissingLens) {
+    let of_draw = |matrix| source(draw.device, recording, matrix, draw.size.first_instance());
+    let sources = match variants.follows && main {
+        true => variants.matrices.iter().filter_map(of_draw).collect(),
+        false => Vec::new(),
+    };
+    let missing_lens = match variants.matrices.first() {
+        _ if !main => MissingLens::PartOfWindow,
+        Some(matrix) => matrix.memory.if_unreadable(),
+        None => variants.missing_lens,
+    };
+    (sources, missing_lens)
+}
+
+/// Determines what a draw to the window shows of images of another shape.
+fn shown(
+    draw: &ProgramDraw<'_>,
+    recording: &Recording,
+    variants: &Variants,
+    program: &ProgramWindow,
+    layout: &AtlasLayout,
+) -> Shown {
+    let in_window = recording.pass.as_ref().is_some_and(|pass| pass.target.window && pass.colored);
+    if !in_window || !draw.size.may_cover_viewport() {
+        return Shown::Nothing;
+    }
+    let measurable = Measurable {
+        pipeline: draw.pipeline.own,
+        viewport: program.viewport,
+        scissor: program.scissor,
+        main_picture: is_main(&program.viewport, layout.window),
+        repeats: variants.follows && !variants.deep && variants.pictures.is_empty(),
+    };
+    coverage::look(draw.device, recording, layout, &measurable)
 }
 
 /// Returns the layout of the image that a descriptor refers to, if each view has its own copy of
@@ -216,14 +267,17 @@ fn area(viewport: &vk::Viewport) -> Area {
 
 /// Notes the use of images that may hold a scene: the pass draws, and the draw's shaders can sample
 /// them.
-fn note_pictures(device: &Device, recording: &mut Recording, cover: Cover) {
+fn note_pictures(device: &Device, recording: &mut Recording, cover: Cover, shown: &Shown) {
     let pictures = scene_graph::pictures(device, recording);
     scene_graph::note_stored(device, recording);
     let Some(pass) = &recording.pass else { return };
     let (window, given) = (pass.target.window, pass.target.given);
     for picture in pictures {
-        let made = if window { Made::Window } else { Made::Image(given) };
-        cover.made(device, picture, made).into_iter().for_each(|made| device.scene_graph.note_made(picture, made));
+        let made = match window {
+            true => shown.made(device, picture, cover),
+            false => cover.made(device, picture, Made::Image(given)),
+        };
+        made.into_iter().for_each(|made| device.scene_graph.note_made(picture, made));
         device.images.scene(picture).into_iter().for_each(|scene| recording.samples(scene));
     }
 }
@@ -295,7 +349,7 @@ fn select(
 /// # Safety
 /// The command buffer is being recorded, within a pass that draws to the atlas.
 unsafe fn issue(
-    mut tiles: TileDraws<'_>,
+    tiles: &mut TileDraws<'_>,
     layout: &AtlasLayout,
     views: usize,
     on_panel: bool,

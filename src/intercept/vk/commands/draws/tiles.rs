@@ -58,6 +58,8 @@ pub struct TileDraws<'a> {
     pub(in crate::intercept::vk) program: ProgramWindow,
     /// Size of the program's window.
     pub(in crate::intercept::vk) window: (u32, u32),
+    /// The part of the program's window that fills all of each view; `None`: its viewport.
+    pub(in crate::intercept::vk) part: Option<AtlasRect>,
     /// The draw's parameters in memory, if the device reads them from there.
     pub(in crate::intercept::vk) indirect: Option<IndirectDraw>,
 }
@@ -100,7 +102,10 @@ impl TileDraws<'_> {
         let ProgramWindow { viewport, scissor } = &self.program;
         let (viewport, scissor) = match tile.own_lens {
             true => (move_to_tile(viewport, tile.rect), cut_to_tile(scissor, tile.rect, self.window)),
-            false => (fill_tile(viewport, tile.rect), tile.rect.to_vk()),
+            false => {
+                let spread = self.part.map(|part| spread(viewport, part, tile.rect));
+                (spread.unwrap_or_else(|| fill_tile(viewport, tile.rect)), tile.rect.to_vk())
+            }
         };
         // SAFETY: as promised.
         unsafe {
@@ -168,6 +173,19 @@ fn fill_tile(viewport: &vk::Viewport, AtlasRect { x, y, width, height }: AtlasRe
     vk::Viewport { x: pixels(x), y: pixels(y), width: pixels(width), height: pixels(height), ..*viewport }
 }
 
+/// Returns the viewport in which a part of the program's window fills a tile.
+fn spread(viewport: &vk::Viewport, part: AtlasRect, tile: AtlasRect) -> vk::Viewport {
+    let scale = |tile: i32, part: i32| pixels(tile) / pixels(part.max(1));
+    let (across, down) = (scale(tile.width, part.width), scale(tile.height, part.height));
+    vk::Viewport {
+        x: pixels(tile.x) + (viewport.x - pixels(part.x)) * across,
+        y: pixels(tile.y) + (viewport.y - pixels(part.y)) * down,
+        width: viewport.width * across,
+        height: viewport.height * down,
+        ..*viewport
+    }
+}
+
 /// Returns a scissor moved to a tile and clipped to the tile's part of the window.
 pub fn cut_to_tile(scissor: &vk::Rect2D, tile: AtlasRect, window: (u32, u32)) -> vk::Rect2D {
     let axis = |offset: i32, extent: u32, window: u32, tile: i32| {
@@ -183,7 +201,7 @@ pub fn cut_to_tile(scissor: &vk::Rect2D, tile: AtlasRect, window: (u32, u32)) ->
 
 #[cfg(test)]
 mod tests {
-    use super::{cut_to_tile, fill_tile};
+    use super::{cut_to_tile, fill_tile, spread};
     use crate::intercept::vk::state::views::atlas_layout::AtlasRect;
     use ash::vk;
 
@@ -195,6 +213,19 @@ mod tests {
         assert_eq!(cut_to_tile(&scissor(20, 30, 50, 40), tile, (200, 100)), scissor(1020, 40, 50, 40));
         assert_eq!(cut_to_tile(&scissor(150, 0, 5000, u32::MAX), tile, (200, 100)), scissor(1150, 10, 50, 100));
         assert_eq!(cut_to_tile(&scissor(300, 0, 10, 10), tile, (200, 100)).extent.width, 0);
+    }
+
+    #[test]
+    fn a_part_of_the_window_fills_the_tile() {
+        let (part, tile) = (
+            AtlasRect { x: 20, y: 30, width: 100, height: 50 },
+            AtlasRect { x: 1000, y: 500, width: 200, height: 200 },
+        );
+        let given = vk::Viewport { x: 20.0, y: 30.0, width: 100.0, height: 50.0, min_depth: 0.25, max_depth: 1.0 };
+        let window = vk::Viewport { x: 0.0, y: 90.0, width: 150.0, height: -90.0, ..given };
+        let place = |v: vk::Viewport| [v.x, v.y, v.width, v.height, v.min_depth];
+        assert_eq!(place(spread(&given, part, tile)), place(fill_tile(&given, tile)));
+        assert_eq!(place(spread(&window, part, tile)), [960.0, 740.0, 300.0, -360.0, 0.25]);
     }
 
     #[test]

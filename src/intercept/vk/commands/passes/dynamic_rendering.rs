@@ -3,6 +3,7 @@
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::commands::passes::render_passes::{end, is_whole, plain, served, whole_atlas};
 use crate::intercept::vk::commands::{barriers_and_clears, conditional_render};
+use crate::intercept::vk::offscreen::coverage;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
@@ -144,6 +145,9 @@ pub unsafe fn begin(
     // attachments.
     unsafe {
         barriers_and_clears::follow(device, buffer, &moved, layout);
+        if target.window && !given.has(vk::RenderingFlags::RESUMING) {
+            coverage::prepare(device, buffer);
+        }
         conditional_render::begin_pass(device, buffer, || {
             next(&changed);
             served(device, buffer, pass);

@@ -4,7 +4,7 @@ use crate::backend::vk::COLOR;
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::commands::passes::panel_clears::{clear_panel, clear_pending};
 use crate::intercept::vk::commands::{barriers_and_clears, conditional_render};
-use crate::intercept::vk::offscreen::view_copies;
+use crate::intercept::vk::offscreen::{coverage, view_copies};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::structures::{in_chain, slice};
 use crate::intercept::vk::state::hooks::hooks;
@@ -137,6 +137,10 @@ unsafe fn begin(
             return next(info);
         }
     };
+    if replaced.pass.target.window {
+        // SAFETY: as promised.
+        unsafe { coverage::prepare(device, buffer) };
+    }
     for (scene, layout) in &replaced.pass.scenes {
         barriers_and_clears::moved(device, buffer, scene.given, *layout);
     }

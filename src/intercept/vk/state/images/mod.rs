@@ -1,8 +1,10 @@
 //! Images of the program, and the images that replace them while views are drawn.
 //!
 //! [`scene_graph`] notes which images hold a scene on its way to the window. [`framebuffers`] notes
-//! which images a render pass draws to. `image` holds the types, `layouts` follows layouts.
+//! which images a render pass draws to, [`coverage`] how much of the window a draw fills. `image`
+//! holds the types, `layouts` follows layouts.
 
+pub mod coverage;
 pub mod framebuffers;
 mod image;
 mod layouts;
@@ -11,9 +13,12 @@ pub mod scene_graph;
 pub(in crate::intercept::vk) use image::{Image, View};
 pub use image::{ImageKind, KnownScene, LayoutChange, PendingLayout, ViewCopies, aspects};
 
+use crate::correct::LowerLeftRect;
 use crate::intercept::process::settings;
 use crate::intercept::scene::viewport;
-use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
+use crate::intercept::scene::viewport::parts::Parts;
+use crate::intercept::vk::state::images::coverage::Coverage;
+use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect};
 use crate::intercept::vk::state::views::view_target::ViewTarget;
 use crate::lock::Lock;
 use crate::rig::Duplicate;
@@ -34,6 +39,10 @@ pub struct Images {
     pub(in crate::intercept::vk) candidates: AtomicBool,
     /// The size of the latest window.
     pub(in crate::intercept::vk) window: Mutex<Option<(u32, u32)>>,
+    /// Parts of this window that images fill, between widgets.
+    pub(in crate::intercept::vk) parts: Mutex<Parts>,
+    /// Draws to the window that sample images of another shape.
+    pub(in crate::intercept::vk) coverage: Coverage,
     /// Images that were found to hold a scene. After a change of size, similar images are
     /// recognised at once.
     pub(in crate::intercept::vk) scenes: Mutex<Vec<KnownScene>>,
@@ -88,7 +97,9 @@ impl Images {
             target: Some(target),
             atlas_copies: Vec::new(),
         };
-        *self.window.locked() = Some(new.size);
+        if self.window.locked().replace(new.size) != Some(new.size) {
+            self.parts.locked().clear();
+        }
         self.images.locked().insert(image, new);
         let layout = vk::ImageLayout::PRESENT_SRC_KHR;
         let pending =
@@ -138,25 +149,73 @@ impl Images {
         self.candidates.load(Ordering::Relaxed)
     }
 
-    /// True if an image may hold a scene on its way to the window: it has the window's shape, and
-    /// can be displayed. A depth image can be displayed if shaders read it.
-    pub fn is_candidate(&self, image: vk::Image) -> bool {
+    /// True if an image was seen in a small part of the window. It is examined only for the reason
+    /// why it is flat.
+    pub fn is_shown_small(&self, image: vk::Image) -> bool {
+        self.coverage.small.locked().contains(&image)
+    }
+
+    /// True if an image has the shape of the window.
+    pub fn is_window_shaped(&self, image: vk::Image) -> bool {
         let window = *self.window.locked();
-        let images = self.images.locked();
-        let fits = images.get(&image).is_some_and(|state| {
-            let shown = state.described || aspects(state.format).contains(vk::ImageAspectFlags::COLOR);
-            shown && state.may_hold_scene() && window.is_some_and(|window| has_shape(state.size, window))
+        self.size(image).zip(window).is_some_and(|(size, window)| has_shape(size, window))
+    }
+
+    /// True if an image may be a scene in a part of the window: passes draw to it, it has colours,
+    /// and it has another shape than the window.
+    pub fn may_be_shown_in_part(&self, image: vk::Image) -> bool {
+        let drawn = self.images.locked().get(&image).is_some_and(|state| {
+            let colours = aspects(state.format).contains(vk::ImageAspectFlags::COLOR);
+            colours && state.may_be_attached() && state.may_hold_scene()
         });
+        drawn && !self.is_window_shaped(image)
+    }
+
+    /// True if an image of this size may be a scene that fills this large part of a window: it has
+    /// the part's shape. Windows that show the program's own picture need no scene.
+    pub fn may_fill_part(&self, (width, height): (u32, u32), part: AtlasRect, window: &AtlasLayout) -> bool {
+        let (rect, whole) = (LowerLeftRect::from(part), LowerLeftRect::of_size(window.window));
+        rect != whole
+            && whole.contains(rect)
+            && rect.is_most_of(window.window)
+            && has_shape((width, height), (part.width.max(0) as u32, part.height.max(0) as u32))
+            && window.views.iter().all(|view| !view.own_lens)
+    }
+
+    /// Notes that an image fills a part of the window. Returns whether this is new.
+    pub fn note_part(&self, part: LowerLeftRect) -> bool {
+        self.parts.locked().note(part)
+    }
+
+    /// True if a picture of this size has the shape of the window, or of a part of it that images
+    /// fill.
+    fn has_shown_shape(&self, size: (u32, u32)) -> bool {
+        let of_window = self.window.locked().is_some_and(|window| has_shape(size, window));
+        of_window || self.parts.locked().of_shape(size.0.into(), size.1.into()).is_some()
+    }
+
+    /// True if an image may hold a scene on its way to the window: it has the shape of the window or
+    /// of a part that images fill, and can be displayed. A depth image can be displayed if shaders
+    /// read it.
+    pub fn is_candidate(&self, image: vk::Image) -> bool {
+        let size = self.images.locked().get(&image).and_then(|state| {
+            let shown = state.described || aspects(state.format).contains(vk::ImageAspectFlags::COLOR);
+            (shown && state.may_hold_scene()).then_some(state.size)
+        });
+        let fits = size.is_some_and(|size| self.has_shown_shape(size) || self.is_shown_small(image));
         fits && settings::settings().is_some_and(|settings| settings.rig.views.duplicate != Duplicate::Never)
     }
 
     /// True if an image is large enough for perspective draws for the window. Small images of a
     /// blur around bright parts are not.
     pub fn is_large(&self, image: vk::Image) -> bool {
-        let (size, window) = (self.size(image), *self.window.locked());
-        let wide = |((width, height), window)| viewport::has_shape_of_window(width, height, window);
-        let of_images = size.map(|(width, height)| (i64::from(width), i64::from(height)));
-        of_images.zip(window).is_some_and(wide)
+        let Some((width, height)) = self.size(image).map(|(width, height)| (width.into(), height.into())) else {
+            return false;
+        };
+        let window = *self.window.locked();
+        window.is_some_and(|window| viewport::has_shape_of_window(width, height, window))
+            || self.parts.locked().of(width, height).is_some()
+            || self.is_shown_small(image)
     }
 
     /// Notes that a pass has this image as an attachment.
@@ -200,9 +259,10 @@ impl Images {
         self.images.locked().get(&image).map(|state| state.format)
     }
 
-    /// True if an image is as large as the window.
+    /// True if an image is as large as the window, or as a part of it that images fill.
     pub fn has_size_of_window(&self, image: vk::Image) -> bool {
-        self.size(image) == *self.window.locked()
+        let size = self.size(image);
+        size == *self.window.locked() || size.is_some_and(|size| self.parts.locked().any_of_size(size))
     }
 
     /// Returns the image of a view, if it may hold a scene.

@@ -2,6 +2,7 @@
 //! found.
 
 use crate::intercept::scene::image_graph::{self, ImageGraph};
+use crate::intercept::scene::obstacle::SHOWN_SMALL;
 use crate::lock::Lock;
 use crate::rig::Duplicate;
 use ash::vk;
@@ -37,13 +38,24 @@ const PATIENCE: u32 = 60;
 #[derive(Default)]
 pub struct SceneGraph {
     pub(in crate::intercept::vk) seen: Mutex<Seen>,
-    /// Number of times that compute shaders made a picture for the window that was not followed.
+    /// Number of times that compute shaders or copies made a picture for the window that was not
+    /// followed.
     unfollowed: AtomicU32,
 }
 
 impl SceneGraph {
-    /// Counts a picture of compute shaders for the window that is not followed. Returns whether it
-    /// may be followed later.
+    /// Begins to count such pictures anew, because the window is new or a picture is followed.
+    pub(in crate::intercept::vk) fn begin_waiting(&self) {
+        self.unfollowed.store(0, Ordering::Relaxed);
+    }
+
+    /// Notes that other images may be found now.
+    pub(in crate::intercept::vk) fn look_again(&self) {
+        self.seen.locked().news = true;
+    }
+
+    /// Counts a picture for the window that is not followed. Returns whether it may be followed
+    /// later.
     pub(in crate::intercept::vk) fn may_be_followed(&self) -> bool {
         self.unfollowed.fetch_add(1, Ordering::Relaxed) < PATIENCE
     }
@@ -127,14 +139,16 @@ impl SceneGraph {
     }
 
     /// Returns the reasons why images that perspective draws reach are drawn only once, with the
-    /// number of images for each reason.
-    pub fn single(&self, rule: Duplicate) -> BTreeMap<String, u64> {
+    /// number of images for each reason. `shown_small`: an image was seen in a small part of the
+    /// window.
+    pub fn single(&self, rule: Duplicate, shown_small: impl Fn(vk::Image) -> bool) -> BTreeMap<String, u64> {
         let seen = self.seen.locked();
         let chosen = seen.chosen(rule);
         let mut reasons = BTreeMap::new();
         for image in seen.graph.scenes().filter(|image| !chosen.contains(image)) {
             let reason = match rule {
                 Duplicate::Never => "the rig says so",
+                _ if shown_small(image) => SHOWN_SMALL,
                 _ if seen.graph.makes(image, Made::Elsewhere) => {
                     "it is read by compute shaders that cannot be followed, in parts, or by passes of another shape"
                 }
@@ -187,7 +201,7 @@ mod tests {
         assert_eq!(chosen(&paths, Duplicate::Auto), [1, 2], "5 goes nowhere, 9 is no scene");
         assert_eq!(chosen(&paths, Duplicate::Always), [1, 2, 5]);
         assert!(chosen(&paths, Duplicate::Never).is_empty());
-        assert_eq!(paths.single(Duplicate::Auto).values().sum::<u64>(), 1);
+        assert_eq!(paths.single(Duplicate::Auto, |_| false).values().sum::<u64>(), 1);
     }
 
     #[test]

@@ -9,10 +9,11 @@ use crate::intercept::scene::flat_program::{FlatProgram, MissingLens, MissingLen
 use crate::intercept::scene::frame_order::FrameOrder;
 use crate::intercept::scene::lens::Told;
 use crate::intercept::scene::to_window::Area;
+use crate::intercept::scene::viewport::parts::PanelPart;
 use crate::intercept::vk::spirv::Matrix;
 use crate::intercept::vk::state::pipelines::MatrixStage;
 use crate::intercept::vk::state::recording::draw_parameters::IndirectDraw;
-use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
+use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect};
 use crate::intercept::vk::state::views::view_constants::{ChunkOffset, SlotParts};
 use crate::runtime::session::{CameraFunction, Intrinsics, ViewMatrix};
 use ash::vk;
@@ -116,6 +117,8 @@ pub struct DrawFacts {
     /// True for draws that bring the scene from an off-screen image to the complete picture, if
     /// they are flat.
     pub(in crate::intercept::vk) screen: bool,
+    /// The part of the window that such draws fill, between widgets; `None`: all of it.
+    pub(in crate::intercept::vk) part: Option<AtlasRect>,
     /// True for draws that fill an image before the scene is drawn there: a background.
     pub(in crate::intercept::vk) fills: bool,
 }
@@ -234,8 +237,10 @@ pub struct Counts {
 pub struct Frame {
     pub(in crate::intercept::vk) cameras: Cameras,
     pub(in crate::intercept::vk) layout: Option<Arc<AtlasLayout>>,
-    /// Matrices that show the panel in each view, for flat drawing behind the scene.
+    /// Matrices that show a part of the panel in each view, for flat drawing behind the scene.
     pub(in crate::intercept::vk) behind: Vec<ReprojectionMatrix>,
+    /// This part; `None`: the matrices are not computed yet.
+    pub(in crate::intercept::vk) behind_part: Option<PanelPart>,
     /// The lens for which samples were counted last, and their number.
     pub(in crate::intercept::vk) sampled: Option<(Intrinsics, f64)>,
     pub(in crate::intercept::vk) order: FrameOrder,

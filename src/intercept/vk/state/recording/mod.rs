@@ -12,6 +12,7 @@ pub mod draw_parameters;
 
 use crate::intercept::vk::state::driver::Driver;
 use crate::intercept::vk::state::images::LayoutChange;
+use crate::intercept::vk::state::images::coverage::QueryBlock;
 use crate::intercept::vk::state::pipelines::Pipeline;
 use crate::intercept::vk::state::queries::Pool;
 use crate::intercept::vk::state::recording::bindings::{BoundSet, BoundVertices, PUSH_BYTES};
@@ -42,6 +43,8 @@ pub enum Event {
     Suspected(Vec<vk::Image>, Vec<MatrixSource>),
     /// Compute shaders write the program's own images, which may hold a scene.
     Computed(Vec<vk::Image>),
+    /// Measurement of the part of the window that a draw fills.
+    Measured(Arc<QueryBlock>),
     /// Begin of a query that is scaled, by its number in the pool.
     BeginQuery(Arc<Pool>, u32),
     /// End of such a query.
@@ -204,6 +207,8 @@ pub struct Recording {
     pub(in crate::intercept::vk) clearers: Vec<vk::CommandBuffer>,
     /// Scenes whose view copies its draws sample.
     pub(in crate::intercept::vk) sampled: Vec<Arc<ViewTarget>>,
+    /// Queries of Cupola that it resets, for the draws that follow.
+    pub(in crate::intercept::vk) measures: Vec<Arc<QueryBlock>>,
     /// The condition that the program has set outside of passes.
     pub(in crate::intercept::vk) condition: Option<Condition>,
     /// True if the last draw that may belong to the scene had y up.
@@ -226,6 +231,7 @@ impl Recording {
             constants: ConstantChunks::default(),
             clearers: Vec::new(),
             sampled: Vec::new(),
+            measures: Vec::new(),
             condition: None,
             y_up: false,
             counting: 0,

@@ -5,8 +5,8 @@ use crate::correct::single::pixels;
 use crate::correct::{LowerLeftRect, PixelRect, Plan, UpperLeftRect};
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::scene::to_window::Area;
+use crate::intercept::scene::viewport::parts::PanelPart;
 use crate::intercept::vk::state::views::vertices::VertexProcessing;
-use crate::lock::Lock;
 use crate::rig::Rig;
 use crate::runtime::session::{Extras, Session};
 use ash::vk;
@@ -31,6 +31,12 @@ impl From<LowerLeftRect> for AtlasRect {
     }
 }
 
+impl From<AtlasRect> for LowerLeftRect {
+    fn from(AtlasRect { x, y, width, height }: AtlasRect) -> Self {
+        Self { x, y, width, height }
+    }
+}
+
 impl From<AtlasRect> for Area {
     fn from(AtlasRect { x, y, width, height }: AtlasRect) -> Self {
         Self { origin: [x, y].map(pixels), size: [width, height].map(pixels) }
@@ -38,6 +44,11 @@ impl From<AtlasRect> for Area {
 }
 
 impl AtlasRect {
+    /// Returns this rectangle of a window, moved to the window's `tile`.
+    pub fn moved_into(self, tile: Self) -> Self {
+        Self { x: tile.x + self.x, y: tile.y + self.y, ..self }
+    }
+
     /// Returns the rectangle as a type of Vulkan.
     pub fn to_vk(self) -> vk::Rect2D {
         let extent = vk::Extent2D { width: self.width.max(0) as u32, height: self.height.max(0) as u32 };
@@ -105,8 +116,10 @@ pub struct AtlasLayout {
     pub version: u64,
     /// Size of the program's picture: the size of the window, or of the image.
     pub window: (u32, u32),
-    /// Number of its pixels divided by the number of the window's.
+    /// Number of its pixels divided by the number of the window's pixels that it fills.
     pub pixels: f64,
+    /// The part of the window that it fills, between widgets; `None`: all of the window.
+    pub part: Option<AtlasRect>,
     /// True if all tiles are as large as the program's picture.
     pub even: bool,
     /// Layouts for this window for images of other sizes, and even layouts.
@@ -160,6 +173,7 @@ impl AtlasLayout {
             even: false,
             window,
             pixels,
+            part: None,
             of_images,
             version,
             atlas,
@@ -172,67 +186,6 @@ impl AtlasLayout {
             session,
             plan,
         })
-    }
-
-    /// Returns the layout for an image of `size` on its way to this window. Its tiles are scaled by
-    /// the same ratio, but only as far as an image of `most` texels in width and height has room
-    /// for them.
-    pub fn of_image(self: &Arc<Self>, size: (u32, u32), most: u32) -> Arc<Self> {
-        if size == self.window {
-            return Arc::clone(self);
-        }
-        let mut known = self.of_images.locked();
-        if let Some(known) = known.iter().find(|known| known.window == size && !known.even) {
-            return Arc::clone(known);
-        }
-        let made = Arc::new(self.scaled(size, most));
-        known.push(Arc::clone(&made));
-        made
-    }
-
-    /// Returns the number of pixels of an image of `size` divided by the number of this window's.
-    pub(super) fn pixels_of(&self, size: (u32, u32)) -> f64 {
-        f64::from(size.0) * f64::from(size.1) / (f64::from(self.window.0) * f64::from(self.window.1))
-    }
-
-    fn scaled(&self, size: (u32, u32), most: u32) -> Self {
-        // A tile with the program's own pixels has exactly the size of the program's picture.
-        let exact = self.own().is_some() || self.views.iter().any(|view| view.own_lens);
-        let scale = |own: u32, window: u32, atlas: u32| {
-            let ideal = f64::from(own) / f64::from(window.max(1));
-            if exact { ideal } else { ideal.min(f64::from(most) / f64::from(atlas.max(1))) }
-        };
-        let across = scale(size.0, self.window.0, self.atlas.0);
-        let down = scale(size.1, self.window.1, self.atlas.1);
-        let rect = |tile: AtlasRect| {
-            let ends = |start: i32, length: i32, scale: f64| {
-                let [start, end] = [start, start + length].map(|place| (f64::from(place) * scale).round() as i32);
-                (start, (end - start).max(1))
-            };
-            let ((x, width), (y, height)) = (ends(tile.x, tile.width, across), ends(tile.y, tile.height, down));
-            AtlasRect { x, y, width, height }
-        };
-        // The last tile may be one texel wide and begin at the end.
-        let length = |atlas: u32, scale: f64| {
-            let length = (f64::from(atlas) * scale).ceil() as u32 + 1;
-            if exact { length } else { length.min(most) }
-        };
-        Self {
-            session: Arc::clone(&self.session),
-            plan: self.plan.clone(),
-            version: self.version,
-            window: size,
-            pixels: self.pixels_of(size),
-            even: false,
-            of_images: Mutex::default(),
-            atlas: (length(self.atlas.0, across), length(self.atlas.1, down)),
-            panel: rect(self.panel),
-            primary: self.primary.map(rect),
-            read: self.read,
-            views: self.views.iter().map(|view| ViewTile { rect: rect(view.rect), ..*view }).collect(),
-            lenses: self.lenses.clone(),
-            outputs: self.outputs.clone(),
-        }
     }
 
     /// True if both layouts are for the same window and have the same views.
@@ -248,6 +201,16 @@ impl AtlasLayout {
     /// True if every view has the program's own lens, so that nothing is shown on the panel.
     pub fn shows_own_lens(&self) -> bool {
         self.views.iter().all(|view| view.own_lens)
+    }
+
+    /// Returns the part of the panel on which its flat drawing is shown.
+    pub fn panel_part(&self) -> PanelPart {
+        let of = |part: AtlasRect| {
+            let (width, height) = self.session.window();
+            let below = height as i32 - part.y - part.height;
+            PanelPart::of(LowerLeftRect { y: below, ..part.into() }, [width as i32, height as i32])
+        };
+        self.part.map_or_else(PanelPart::default, of)
     }
 
     /// Returns the rectangle of the program's own picture, pixel by pixel, if it is drawn.
@@ -298,7 +261,6 @@ mod tests {
     use super::AtlasLayout;
     use crate::correct::LowerLeftRect;
     use crate::intercept::vk::state::views::vertices::VertexProcessing;
-    use std::sync::Arc;
 
     #[test]
     fn the_panel_is_as_large_as_the_window_and_everything_inside() {
@@ -310,45 +272,6 @@ mod tests {
             assert!(tile.x >= 0 && tile.y >= 0, "{tile:?}");
             assert!(tile.x + tile.width <= layout.atlas.0 as i32 && tile.y + tile.height <= layout.atlas.1 as i32);
         }
-    }
-
-    /// Tiles of another size do not overlap, lie within the atlas, and take the same parts of it.
-    #[test]
-    fn images_of_other_sizes_have_the_same_tiles() {
-        let rig = crate::rig::load("fisheye").expect("a preset");
-        for read in [false, true] {
-            let layout = AtlasLayout::new(&rig, (640, 360), 16384, read, VertexProcessing::Divided);
-            let layout = Arc::new(layout.expect("a plan"));
-            assert!(Arc::ptr_eq(&layout.of_image((640, 360), 16384), &layout));
-            for size in [(320, 180), (1280, 720), (80, 45), (427, 240)] {
-                let other = layout.of_image(size, 16384);
-                assert!(Arc::ptr_eq(&layout.of_image(size, 16384), &other) && other.has_views_of(&layout));
-                assert_eq!(
-                    other.own().map(|own| (own.x, own.y, own.width, own.height)),
-                    layout.own().map(|_| { (0, 0, size.0 as i32, size.1 as i32) })
-                );
-                let tiles: Vec<_> = other.pictures().collect();
-                let scale = f64::from(size.0) / 640.0;
-                for (index, (tile, of_window)) in tiles.iter().zip(layout.pictures()).enumerate() {
-                    assert!((f64::from(of_window.width) * scale - f64::from(tile.width)).abs() <= 1.0, "{tile:?}");
-                    assert!(
-                        tile.x + tile.width <= other.atlas.0 as i32 && tile.y + tile.height <= other.atlas.1 as i32
-                    );
-                    for earlier in &tiles[..index] {
-                        let apart = |a: i32, length: i32, b: i32, other: i32| a + length <= b || b + other <= a;
-                        assert!(
-                            apart(tile.x, tile.width, earlier.x, earlier.width)
-                                || apart(tile.y, tile.height, earlier.y, earlier.height),
-                            "{size:?}: {tile:?} {earlier:?}"
-                        );
-                    }
-                }
-            }
-        }
-        let layout = AtlasLayout::new(&rig, (640, 360), 16384, false, VertexProcessing::Divided);
-        let layout = Arc::new(layout.expect("a plan"));
-        let small = layout.of_image((6400, 3600), layout.atlas.0 + 10);
-        assert!(small.atlas.0 <= layout.atlas.0 + 10 && small.views[0].rect.width >= layout.views[0].rect.width);
     }
 
     #[test]

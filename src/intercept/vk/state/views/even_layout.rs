@@ -9,20 +9,23 @@ use std::sync::{Arc, Mutex};
 const GAP: u32 = 1;
 
 impl AtlasLayout {
-    /// Returns the layout for an image of `size` on its way to this window in which each view is as
-    /// large as the image. `own_picture`: the layout must contain the program's own picture.
-    pub fn even(self: &Arc<Self>, size: (u32, u32), own_picture: bool) -> Arc<Self> {
+    /// Returns the layout for an image of `size` on its way to this window, or to a `part` of it, in
+    /// which each view is as large as the image. `own_picture`: the layout must contain the program's
+    /// own picture.
+    pub fn even(self: &Arc<Self>, size: (u32, u32), part: Option<AtlasRect>, own_picture: bool) -> Arc<Self> {
         let mut known = self.of_images.locked();
-        let fits = |known: &&Arc<Self>| known.window == size && known.even && (!own_picture || known.own().is_some());
+        let fits = |known: &&Arc<Self>| {
+            (known.window, known.part, known.even) == (size, part, true) && (!own_picture || known.own().is_some())
+        };
         if let Some(known) = known.iter().find(fits) {
             return Arc::clone(known);
         }
-        let made = Arc::new(self.with_even_tiles(size, own_picture));
+        let made = Arc::new(self.with_even_tiles(size, part, own_picture));
         known.push(Arc::clone(&made));
         made
     }
 
-    fn with_even_tiles(&self, size: (u32, u32), own_picture: bool) -> Self {
+    fn with_even_tiles(&self, size: (u32, u32), part: Option<AtlasRect>, own_picture: bool) -> Self {
         let own_view = self.views.iter().position(|view| view.own_lens);
         let primary = self.primary.is_some() || own_picture && own_view.is_none();
         // The tile with the program's own pixels is at the origin, so that it is rasterised in the
@@ -50,7 +53,8 @@ impl AtlasLayout {
             plan: self.plan.clone(),
             version: self.version,
             window: size,
-            pixels: self.pixels_of(size),
+            pixels: self.pixels_of(size, part),
+            part,
             even: true,
             of_images: Mutex::default(),
             atlas: (columns * width, count.div_ceil(columns) * height),
@@ -78,8 +82,8 @@ mod tests {
             let layout = AtlasLayout::new(&rig, (640, 360), 16384, false, VertexProcessing::Views).expect("a plan");
             let layout = Arc::new(layout);
             for size in [(640, 360), (320, 180)] {
-                let even = layout.even(size, own_picture);
-                assert!(Arc::ptr_eq(&even, &layout.even(size, own_picture)) && even.has_views_of(&layout));
+                let even = layout.even(size, None, own_picture);
+                assert!(Arc::ptr_eq(&even, &layout.even(size, None, own_picture)) && even.has_views_of(&layout));
                 let tiles: Vec<_> = even.pictures().collect();
                 for (index, tile) in tiles.iter().enumerate() {
                     assert_eq!((tile.width, tile.height), (size.0 as i32, size.1 as i32));
