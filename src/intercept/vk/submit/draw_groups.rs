@@ -204,7 +204,7 @@ fn sum_up(group: &DrawGroup) {
     if call_sum::is_on() {
         call_sum::add(group.draws);
         for (_, matrix) in &group.matrices {
-            matrix.iter().for_each(|value| call_sum::add(value.to_bits()));
+            matrix.to_cols_array().iter().for_each(|value| call_sum::add(value.to_bits()));
         }
     }
 }
