@@ -16,7 +16,7 @@ use cupola::rig::{self, Rig};
 use cupola::runtime::session::{Extras, MatrixClass, Session, classify};
 use cupola::views::{self, Request};
 use divan::{Bencher, black_box};
-use glam::DVec2;
+use glam::{DMat4, DVec2, DVec3};
 
 fn main() {
     divan::main();
@@ -45,8 +45,8 @@ fn session(name: &str) -> Session {
     Session::new(&rig(name), WINDOW, false, 16384, Extras::default()).expect("a session")
 }
 
-fn program_matrix() -> [f64; 16] {
-    Frustum::symmetric(1.2, 0.8).projection_matrix(0.1, 1000.0).to_cols_array()
+fn program_matrix() -> DMat4 {
+    Frustum::symmetric(1.2, 0.8).projection_matrix(0.1, 1000.0)
 }
 
 mod start {
@@ -173,11 +173,11 @@ mod draw {
         });
         let model = Transform::of(&program_matrix());
         bencher.bench(|| {
-            let (low, high) = black_box(([-1.0, -1.0, -12.0], [1.0, 2.0, -10.0]));
+            let (low, high) = black_box((DVec3::new(-1.0, -1.0, -12.0), DVec3::new(1.0, 2.0, -10.0)));
             let placed = PlacedBox::of(&model, low, high);
             rows.iter()
                 .map(View::of_reprojection)
-                .filter(|view| !outside(view, &placed, [0.01, 0.01]))
+                .filter(|view| !outside(view, &placed, DVec2::splat(0.01)))
                 .filter_map(|view| extent(&view, &placed))
                 .count()
         });

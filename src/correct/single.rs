@@ -1,6 +1,6 @@
 //! The only place where f64 becomes f32: every coefficient is computed in f64 and rounded once.
 
-use glam::{DMat3, DMat4, DVec3};
+use glam::{DMat3, DMat4, DVec3, Mat4};
 
 /// Rounds a number.
 pub(in crate::correct) fn value(exact: f64) -> f32 {
@@ -17,9 +17,9 @@ pub(in crate::correct) fn matrix3(exact: DMat3) -> [f32; 9] {
     values(exact.to_cols_array())
 }
 
-/// Rounds a matrix, column by column.
-pub fn matrix4(exact: &DMat4) -> [f32; 16] {
-    values(exact.to_cols_array())
+/// Rounds a matrix.
+pub fn matrix4(exact: &DMat4) -> Mat4 {
+    exact.as_mat4()
 }
 
 /// Converts a length in pixels; exact below 2^24.

@@ -22,9 +22,9 @@ impl Matrices {
     pub(super) fn new(frustum: DMat4, rotation: DMat4) -> Self {
         let projection = frustum * rotation;
         Self {
-            projection: single::matrix4(&projection),
-            rotation: single::matrix4(&rotation),
-            frustum: single::matrix4(&frustum),
+            projection: single::matrix4(&projection).to_cols_array(),
+            rotation: single::matrix4(&rotation).to_cols_array(),
+            frustum: single::matrix4(&frustum).to_cols_array(),
             projection_f64: projection.to_cols_array(),
             rotation_f64: rotation.to_cols_array(),
             frustum_f64: frustum.to_cols_array(),
@@ -47,12 +47,12 @@ pub(super) fn name_of(name: &str) -> [c_char; 32] {
 pub(super) unsafe fn get_projection(
     matrix: *const f32,
     vectors: *mut f32,
-    find: impl FnOnce(&[f64; 16]) -> Result<[f32; 32]>,
+    find: impl FnOnce(&DMat4) -> Result<[f32; 32]>,
 ) -> Result<()> {
     // SAFETY: as this function's contract.
     let (matrix, vectors) =
         unsafe { (array::<f32, 16>(matrix, "matrix")?, Place::new(vectors.cast::<[f32; 32]>(), "vectors")?) };
-    vectors.set(find(&matrix.map(f64::from))?);
+    vectors.set(find(&DMat4::from_cols_array(&matrix.map(f64::from)))?);
     Ok(())
 }
 

@@ -10,7 +10,7 @@ pub mod eye_axes;
 mod tests;
 
 pub use camera_function::{CameraFunction, Direction};
-pub use classification::{classify, classify_transposed};
+pub use classification::classify;
 
 /// The part of a program's perspective matrix that reprojection needs:
 /// `P = [A 0 B 0; 0 C D 0; 0 0 E F; 0 0 −1 0]`.
@@ -227,14 +227,19 @@ impl ClipRows {
         ((depth - self.depth[1]) / self.depth[0] + self.e) * farther - self.e
     }
 
-    /// Returns the rows as one 4×4 matrix (column-major), to be multiplied from the left to the
-    /// program's projection. It lacks the rule `z' = w'` where `cz = cw`, which is not linear.
-    pub fn matrix(&self) -> [f64; 16] {
+    /// Returns the rows as one 4×4 matrix, to be multiplied from the left to the program's
+    /// projection. It lacks the rule `z' = w'` where `cz = cw`, which is not linear.
+    pub fn matrix(&self) -> DMat4 {
         let e = self.e;
-        let linear = |r: &[f64; 4]| [r[0], r[1], r[3], r[2] + e * r[3]];
-        let [x, y, w] = [linear(&self.x), linear(&self.y), linear(&self.w)];
-        let z = [-e * w[0], -e * w[1], 1.0 - e * w[2], e * (1.0 - w[3])];
-        let z: [f64; 4] = std::array::from_fn(|i| self.depth[0] * z[i] + self.depth[1] * w[i]);
-        std::array::from_fn(|i| positive_zero([x, y, z, w][i % 4][i / 4]))
+        let linear = |[x, y, w, q]: [f64; 4]| DVec4::new(x, y, q, w + e * q);
+        let [x, y, w] = [self.x, self.y, self.w].map(linear);
+        let z = DVec4::new(-e * w.x, -e * w.y, 1.0 - e * w.z, e * (1.0 - w.w));
+        let [scale, offset] = self.depth;
+        DMat4::from_rows(
+            x.map(positive_zero),
+            y.map(positive_zero),
+            (scale * z + offset * w).map(positive_zero),
+            w.map(positive_zero),
+        )
     }
 }

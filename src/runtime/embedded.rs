@@ -233,12 +233,12 @@ impl Embedded {
 
     /// Returns the values of `cupola_view` for a view, for the functions of
     /// [`correct::projected::projection`](crate::correct::projected::projection), if the program
-    /// draws with the perspective `matrix` (column by column, as in OpenGL).
+    /// draws with the perspective `matrix`.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidArgument`] for an index that does not exist, or a matrix that is no
     /// perspective.
-    pub fn projection(&self, index: usize, matrix: &[f64; 16]) -> Result<[f32; 32]> {
+    pub fn projection(&self, index: usize, matrix: &DMat4) -> Result<[f32; 32]> {
         let (rows, lens) = vectors_of_view(&self.session, index, matrix)?;
         Ok(joined(&rows, &lens))
     }

@@ -5,7 +5,7 @@ use crate::geom::division::rule::EDGE_SHARE;
 use crate::geom::lenses::picture_map::LEAST_AHEAD;
 use crate::geom::reprojection::ClipRows;
 use crate::geom::{PictureLens, PictureMap};
-use glam::DVec2;
+use glam::{DMat4, DVec2};
 
 /// Reprojection matrix: maps clip coordinates (x, y, z, w) of the program to those of a view.
 ///
@@ -50,9 +50,9 @@ impl ReprojectionMatrix {
         Self { x: single::values(rows.x), y: single::values(rows.y), w: single::values(rows.w), depth }
     }
 
-    /// Returns the linear part of the rounded numbers as one 4×4 matrix (column-major), as
-    /// [`ClipRows::matrix`] does.
-    pub fn matrix(&self) -> [f64; 16] {
+    /// Returns the linear part of the rounded numbers as one 4×4 matrix, as [`ClipRows::matrix`]
+    /// does.
+    pub fn matrix(&self) -> DMat4 {
         let double = |row: [f32; 4]| row.map(f64::from);
         let DepthTerms { pole, factor, offset, to_lens } = self.depth;
         let rows = ClipRows {

@@ -67,9 +67,9 @@ impl Coordinates {
 }
 
 impl CameraFunction {
-    /// Returns the dependence of `matrix` (column-major) on the camera with this lens; `None` if
+    /// Returns the dependence of `matrix` on the camera with this lens; `None` if
     /// its numbers show none.
-    pub fn of(matrix: &[f64; 16], lens: &Intrinsics) -> Option<Self> {
+    pub fn of(matrix: &DMat4, lens: &Intrinsics) -> Option<Self> {
         let mut best: Option<(Self, f64)> = None;
         for function in Self::all() {
             // If near and far are far apart, the two kinds of texture coordinates differ little in
@@ -83,11 +83,11 @@ impl CameraFunction {
     }
 
     /// Relative deviation from a similarity of the matrix without the lens.
-    fn deviation(&self, matrix: &[f64; 16], lens: &Intrinsics) -> Option<f64> {
+    fn deviation(&self, matrix: &DMat4, lens: &Intrinsics) -> Option<f64> {
         match (self.direction, lens.f) {
             // Inverting the matrix would multiply its rounding errors.
             (Direction::FromClip, Some(f)) => {
-                let matrix = self.oriented(DMat4::from_cols_array(matrix));
+                let matrix = self.oriented(*matrix);
                 Some(of_similarity(matrix * self.coordinates.matrix() * lens.projection(f), f))
             }
             _ => Some(Rows::of(self.to_clip(matrix)?).deviation(lens)),
@@ -98,7 +98,7 @@ impl CameraFunction {
     /// or times a similarity. F of the lens stays unknown. Returns `None` also for lenses whose E
     /// is 0 (reversed depth without a far plane), since their inverses have the form of
     /// projections.
-    pub fn of_inverse(matrix: &[f64; 16]) -> Option<(Self, Intrinsics)> {
+    pub fn of_inverse(matrix: &DMat4) -> Option<(Self, Intrinsics)> {
         let mut best: Option<(Self, Intrinsics)> = None;
         for transposed in [false, true] {
             for coordinates in [Coordinates::Clip, Coordinates::Texture] {
@@ -141,8 +141,8 @@ impl CameraFunction {
     }
 
     /// Returns the matrix to clip coordinates from which `matrix` follows.
-    pub(super) fn to_clip(self, matrix: &[f64; 16]) -> Option<DMat4> {
-        let matrix = self.oriented(DMat4::from_cols_array(matrix));
+    pub(super) fn to_clip(self, matrix: &DMat4) -> Option<DMat4> {
+        let matrix = self.oriented(*matrix);
         let matrix = match self.direction {
             Direction::ToClip => matrix,
             Direction::FromClip => inverse(matrix)?,
@@ -150,17 +150,16 @@ impl CameraFunction {
         Some(inverse(self.coordinates.matrix())? * matrix)
     }
 
-    /// Returns the matrix that replaces `matrix` for a view with the reprojection `view` (both
-    /// column-major).
-    pub fn for_view(&self, matrix: &[f64; 16], view: &[f64; 16]) -> Option<[f64; 16]> {
-        let matrix = self.oriented(DMat4::from_cols_array(matrix));
+    /// Returns the matrix that replaces `matrix` for a view with the reprojection `view`.
+    pub fn for_view(&self, matrix: &DMat4, view: &DMat4) -> Option<DMat4> {
+        let matrix = self.oriented(*matrix);
         let change = self.coordinates.matrix();
-        let view = change * DMat4::from_cols_array(view) * inverse(change)?;
+        let view = change * *view * inverse(change)?;
         let matrix = match self.direction {
             Direction::ToClip => view * matrix,
             Direction::FromClip => matrix * inverse(view)?,
         };
-        Some(self.oriented(matrix).to_cols_array())
+        Some(self.oriented(matrix))
     }
 }
 
@@ -255,15 +254,15 @@ mod tests {
     }
 
     fn lens(matrix: DMat4) -> Intrinsics {
-        match classify(&matrix.to_cols_array()) {
+        match classify(&matrix) {
             MatrixClass::Perspective(lens) => lens,
             other => panic!("{other:?}"),
         }
     }
 
     /// Rounds a matrix to f32, as in a program.
-    fn rounded(matrix: DMat4) -> [f64; 16] {
-        matrix.to_cols_array().map(|number| f64::from(number as f32))
+    fn rounded(matrix: DMat4) -> DMat4 {
+        matrix.as_mat4().as_dmat4()
     }
 
     fn camera() -> DMat4 {
@@ -298,7 +297,7 @@ mod tests {
         let lamp = perspective([-0.6, 0.6, -0.6, 0.6], 0.1, 100.0) * camera();
         let stretched = p * DMat4::from_scale(DVec3::new(1.0, 2.0, 1.0));
         let flat = orthographic();
-        let nothing = [DMat4::ZERO, DMat4::from_cols_array(&[f64::NAN; 16])];
+        let nothing = [DMat4::ZERO, DMat4::NAN];
         for matrix in [lamp, lamp.inverse(), stretched, flat, flat.inverse(), camera(), DMat4::IDENTITY]
             .into_iter()
             .chain(nothing)
@@ -344,15 +343,15 @@ mod tests {
             let to_clip = coordinates.matrix() * p * scene;
             let there = CameraFunction { direction: Direction::ToClip, coordinates, transposed: false };
             let back = CameraFunction { direction: Direction::FromClip, ..there };
-            let there = there.for_view(&to_clip.to_cols_array(), &view).expect("a matrix");
-            let back = back.for_view(&to_clip.inverse().to_cols_array(), &view).expect("a matrix");
-            let pixel = DMat4::from_cols_array(&there) * point;
+            let there = there.for_view(&to_clip, &view).expect("a matrix");
+            let back = back.for_view(&to_clip.inverse(), &view).expect("a matrix");
+            let pixel = there * point;
             let pixel = pixel / pixel.w;
             let expected = DVec4::new(((0.2 / 4.0) - -0.1) / 0.8, ((-0.3 / 4.0) - -0.2) / 0.8, f64::NAN, 1.0);
             let from = inverse(coordinates.matrix()).expect("one") * pixel;
             assert!((from.x - expected.x).abs() < 1e-12 && (from.y - expected.y).abs() < 1e-12, "{from} {expected}");
             assert!(from.z.abs() < 1.0, "within the view's planes");
-            let found = DMat4::from_cols_array(&back) * pixel;
+            let found = back * pixel;
             assert!((found / found.w - point).length() < 1e-9, "{found} {point}");
         }
     }

@@ -1,7 +1,7 @@
 //! Class and lens of a matrix that a program gives.
 
 use super::{Intrinsics, MatrixClass};
-use glam::DVec3;
+use glam::{DMat4, DVec3, DVec4};
 
 /// Greatest cosine between two rows that ought to be perpendicular, for matrices whose products
 /// were formed in f32 (measured: ≤ 3e-7). A non-uniform scale of 1 % shows 1.7e-3 or more.
@@ -11,7 +11,7 @@ const SKEW_TOLERANCE: f64 = 2e-6;
 /// the relative error of F is below about 1e-3 for a matrix formed in f32.
 const OFFSET_SIGNIFICANCE: f64 = 3e-4;
 
-/// Classifies `matrix` (column-major, as OpenGL takes it).
+/// Classifies `matrix`, which multiplies column vectors.
 ///
 /// The entries of a bare projection, with zeros in their places, are returned bit for bit (apart
 /// from the signs below). A projection times model and view matrices, `P·[sR|t]`, is separated by
@@ -28,30 +28,21 @@ const OFFSET_SIGNIFICANCE: f64 = 3e-4;
 ///
 /// `Other`: non-finite entries, singular, or a depth row that is not parallel to the w row (oblique
 /// near plane).
-pub fn classify(matrix: &[f64; 16]) -> MatrixClass {
-    classify_rows(std::array::from_fn(|row| std::array::from_fn(|column| matrix[4 * column + row])))
-}
-
-/// Classifies the transpose of `matrix`, for programs that keep matrices row by row and multiply
-/// row vectors.
-pub fn classify_transposed(matrix: &[f64; 16]) -> MatrixClass {
-    classify_rows(std::array::from_fn(|row| std::array::from_fn(|column| matrix[4 * row + column])))
-}
-
-/// [`classify`] of a matrix given by its rows.
-fn classify_rows(m: [[f64; 4]; 4]) -> MatrixClass {
-    if !m.iter().flatten().all(|entry| entry.is_finite()) {
+pub fn classify(matrix: &DMat4) -> MatrixClass {
+    if !matrix.is_finite() {
         return MatrixClass::Other;
     }
-    if m[3][..3] == [0.0; 3] {
-        return if m[3][3] != 0.0 { MatrixClass::Affine } else { MatrixClass::Other };
+    let w = matrix.row(3);
+    if w.truncate() == DVec3::ZERO {
+        return if w.w != 0.0 { MatrixClass::Affine } else { MatrixClass::Other };
     }
-    projection(&m).map_or_else(|| product(&m), MatrixClass::Perspective)
+    projection(matrix).map_or_else(|| product(matrix), MatrixClass::Perspective)
 }
 
 /// A bare projection matrix, `[A 0 B 0; 0 C D 0; 0 0 E F; 0 0 ∓1 0]`.
-fn projection(m: &[[f64; 4]; 4]) -> Option<Intrinsics> {
-    let [[a, x1, b, x3], [y0, c, d, y3], [z0, z1, e, f], [w0, w1, w, w3]] = *m;
+fn projection(matrix: &DMat4) -> Option<Intrinsics> {
+    let rows = matrix.transpose().to_cols_array_2d();
+    let [[a, x1, b, x3], [y0, c, d, y3], [z0, z1, e, f], [w0, w1, w, w3]] = rows;
     let zeros = [x1, x3, y0, y3, z0, z1, w0, w1, w3];
     if zeros.iter().any(|&entry| entry != 0.0) || w.abs() != 1.0 || a == 0.0 || c == 0.0 {
         return None;
@@ -62,8 +53,8 @@ fn projection(m: &[[f64; 4]; 4]) -> Option<Intrinsics> {
 
 /// A projection times an affine matrix, by the RQ decomposition of the 3×3 parts of the rows x, y
 /// and w.
-fn product(m: &[[f64; 4]; 4]) -> MatrixClass {
-    let [x, y, z, w] = m.map(|row| DVec3::new(row[0], row[1], row[2]));
+fn product(matrix: &DMat4) -> MatrixClass {
+    let [x, y, z, w] = [0, 1, 2, 3].map(|row| matrix.row(row).truncate());
     let scale = w.length();
     let axis = w / scale;
     // B, D and E times the scale.
@@ -79,7 +70,8 @@ fn product(m: &[[f64; 4]; 4]) -> MatrixClass {
     if !(parallel && tolerance < 1e-2) {
         return MatrixClass::Other;
     }
-    let (offset, moved) = (m[2][3], e / scale * m[3][3]);
+    let DVec4 { z: offset, w: last, .. } = matrix.w_axis;
+    let moved = e / scale * last;
     let f = offset + moved;
     let significant = f.abs() >= OFFSET_SIGNIFICANCE * (offset.abs() + moved.abs()) && f != 0.0;
     let f = significant.then_some(f);

@@ -24,9 +24,9 @@ pub enum ViewMatrix {
 
 /// Returns the turn from the program's eye coordinates to those of a view with the reprojection
 /// `view`; `None` if the view has no axis.
-pub fn turn(view: &[f64; 16], lens: &Intrinsics) -> Option<DMat4> {
+pub fn turn(view: &DMat4, lens: &Intrinsics) -> Option<DMat4> {
     // F changes only the fourth column, which directions do not use.
-    turn_of_rows(DMat4::from_cols_array(view) * lens.projection(lens.f.unwrap_or(-1.0)))
+    turn_of_rows(*view * lens.projection(lens.f.unwrap_or(-1.0)))
 }
 
 /// Returns the turn after which `rows`, to clip coordinates, are those of an eye that looks along
@@ -44,9 +44,8 @@ fn turn_of_rows(rows: DMat4) -> Option<DMat4> {
 }
 
 /// True if a matrix only turns, scales evenly and moves, and is not the identity.
-pub fn is_rigid(matrix: &[f64; 16], transposed: bool) -> bool {
-    let matrix = DMat4::from_cols_array(matrix);
-    let matrix = if transposed { matrix.transpose() } else { matrix };
+pub fn is_rigid(matrix: &DMat4, transposed: bool) -> bool {
+    let matrix = if transposed { matrix.transpose() } else { *matrix };
     let [x, y, z] = [0, 1, 2].map(|column| matrix.col(column).truncate());
     let scale = z.length();
     let near =
@@ -63,22 +62,22 @@ pub fn is_rigid(matrix: &[f64; 16], transposed: bool) -> bool {
 
 impl ViewMatrix {
     /// Returns a view matrix, or its inverse, for an eye that is turned.
-    pub fn turned(self, matrix: &[f64; 16], transposed: bool, turn: DMat4) -> [f64; 16] {
+    pub fn turned(self, matrix: &DMat4, transposed: bool, turn: DMat4) -> DMat4 {
         let oriented = |matrix: DMat4| if transposed { matrix.transpose() } else { matrix };
-        let matrix = oriented(DMat4::from_cols_array(matrix));
+        let matrix = oriented(*matrix);
         let matrix = match self {
             Self::ToEye => turn * matrix,
             // A turn's inverse is its transpose.
             Self::FromEye => matrix * turn.transpose(),
         };
-        oriented(matrix).to_cols_array()
+        oriented(matrix)
     }
 }
 
 impl CameraFunction {
     /// True if `matrix`, which has this dependence, depends on the projection alone. Its y may
     /// point up or down.
-    pub fn is_of_projection(&self, matrix: &[f64; 16], lens: &Intrinsics) -> bool {
+    pub fn is_of_projection(&self, matrix: &DMat4, lens: &Intrinsics) -> bool {
         let projection = lens.projection(lens.f.unwrap_or(-1.0));
         let left = || Some(inverse(projection)? * self.to_clip(matrix)?);
         left().is_some_and(|left| {
@@ -93,18 +92,18 @@ impl CameraFunction {
 
     /// Returns the turn from the program's eye coordinates to those of a view with the reprojection
     /// `view`. `matrix` depends on the projection alone. Returns `None` if the view has no axis.
-    pub fn turn(&self, matrix: &[f64; 16], view: &[f64; 16]) -> Option<DMat4> {
-        turn_of_rows(DMat4::from_cols_array(view) * self.to_clip(matrix)?)
+    pub fn turn(&self, matrix: &DMat4, view: &DMat4) -> Option<DMat4> {
+        turn_of_rows(*view * self.to_clip(matrix)?)
     }
 
     /// Returns `matrix`, which depends on the projection alone, for a view whose eye is turned.
-    pub fn for_turned_view(&self, matrix: &[f64; 16], view: &[f64; 16], turn: DMat4) -> Option<[f64; 16]> {
-        let matrix = self.oriented(DMat4::from_cols_array(&self.for_view(matrix, view)?));
+    pub fn for_turned_view(&self, matrix: &DMat4, view: &DMat4, turn: DMat4) -> Option<DMat4> {
+        let matrix = self.oriented(self.for_view(matrix, view)?);
         let matrix = match self.direction() {
             Direction::ToClip => matrix * turn.transpose(),
             Direction::FromClip => turn * matrix,
         };
-        Some(self.oriented(matrix).to_cols_array())
+        Some(self.oriented(matrix))
     }
 }
 
@@ -130,17 +129,16 @@ mod tests {
         let scene =
             DMat4::from_mat3(pose::rotation(-20.0, 5.0, 0.0)) * DMat4::from_translation(DVec3::new(1.0, 2.0, 3.0));
         let projection = LENS.projection(-0.2);
-        let unprojection = projection.inverse().to_cols_array();
+        let unprojection = projection.inverse();
         let function = CameraFunction::of(&unprojection, &LENS).expect("an inverse");
         assert!(function.is_of_projection(&unprojection, &LENS));
-        assert!(!function.is_of_projection(&(projection * scene).inverse().to_cols_array(), &LENS));
+        assert!(!function.is_of_projection(&(projection * scene).inverse(), &LENS));
         let unprojection = function.for_turned_view(&unprojection, &view, turn).expect("a matrix");
-        let to_world = scene.inverse().to_cols_array();
-        let to_world = DMat4::from_cols_array(&ViewMatrix::FromEye.turned(&to_world, false, turn));
-        let to_eye = DMat4::from_cols_array(&ViewMatrix::ToEye.turned(&scene.to_cols_array(), false, turn));
-        assert!((to_world * to_eye - DMat4::IDENTITY).to_cols_array().iter().all(|part| part.abs() < 1e-12));
+        let to_world = ViewMatrix::FromEye.turned(&scene.inverse(), false, turn);
+        let to_eye = ViewMatrix::ToEye.turned(&scene, false, turn);
+        assert!((to_world * to_eye).abs_diff_eq(DMat4::IDENTITY, 1e-12));
         // Computes the direction as a shader does.
-        let eye = DMat4::from_cols_array(&unprojection) * DVec4::new(0.25, -0.5, -1.0, 1.0);
+        let eye = unprojection * DVec4::new(0.25, -0.5, -1.0, 1.0);
         let direction = to_world * (eye / -eye.z).truncate().truncate().extend(-1.0).extend(0.0);
         let expected = DVec3::new(-0.1 + 0.25 * 0.8, -0.2 - 0.5 * 0.8, -1.0);
         let expected = scene.inverse() * (rotation.transpose() * expected).extend(0.0);
@@ -153,17 +151,16 @@ mod tests {
         let frustum = Frustum { left: -0.9, right: 0.7, bottom: -1.0, top: 0.6 };
         let rotation = pose::rotation(40.0, 25.0, 10.0);
         let rows = clip_rows(&LENS, &CameraAdjustment::NONE, rotation, &frustum);
-        let view = DMat4::from_cols_array(&rows.widened(&LENS, &CameraAdjustment::NONE, &frustum).matrix());
+        let view = rows.widened(&LENS, &CameraAdjustment::NONE, &frustum).matrix();
         let down = DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0));
         let projection = LENS.projection(-0.2);
-        let expected = turn(&view.to_cols_array(), &LENS).expect("a view");
+        let expected = turn(&view, &LENS).expect("a view");
         for (projection, view) in [(projection, view), (down * projection, down * view * down)] {
             for matrix in [projection, projection.inverse()] {
-                let matrix = matrix.to_cols_array();
                 let function = CameraFunction::of(&matrix, &LENS).expect("a function");
                 assert!(function.is_of_projection(&matrix, &LENS));
-                let found = function.turn(&matrix, &view.to_cols_array()).expect("a view");
-                assert!((found - expected).to_cols_array().iter().all(|part| part.abs() < 1e-9), "{found} {expected}");
+                let found = function.turn(&matrix, &view).expect("a view");
+                assert!(found.abs_diff_eq(expected, 1e-9), "{found} {expected}");
             }
         }
     }
@@ -172,11 +169,11 @@ mod tests {
     fn matrices_that_turn_and_move_are_rigid() {
         let scene =
             DMat4::from_mat3(pose::rotation(-20.0, 5.0, 0.0)) * DMat4::from_translation(DVec3::new(1.0, 2.0, 3.0));
-        let rounded = |matrix: DMat4| matrix.to_cols_array().map(|part| f64::from(part as f32));
+        let rounded = |matrix: DMat4| matrix.as_mat4().as_dmat4();
         assert!(is_rigid(&rounded(scene), false) && is_rigid(&rounded(scene.transpose()), true));
         assert!(!is_rigid(&rounded(scene), true) && !is_rigid(&rounded(LENS.projection(-0.2)), false));
         assert!(!is_rigid(&rounded(scene * DMat4::from_scale(DVec3::new(1.0, 1.1, 1.0))), false));
-        assert!(!is_rigid(&DMat4::IDENTITY.to_cols_array(), false) && !is_rigid(&[0.0; 16], false));
-        assert!(!is_rigid(&[f64::NAN; 16], false));
+        assert!(!is_rigid(&DMat4::IDENTITY, false) && !is_rigid(&DMat4::ZERO, false));
+        assert!(!is_rigid(&DMat4::NAN, false));
     }
 }

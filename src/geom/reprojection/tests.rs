@@ -39,7 +39,7 @@ fn view_matrix(frustum: &Frustum, p: &Intrinsics) -> DMat4 {
 }
 
 fn rounded(m: DMat4) -> DMat4 {
-    DMat4::from_cols_array(&m.to_cols_array().map(|x| f64::from(x as f32)))
+    m.as_mat4().as_dmat4()
 }
 
 /// A product as a program forms it: every operation in f32.
@@ -65,7 +65,7 @@ fn the_unrotated_view_is_the_identity_to_the_bit() {
         let bits = [rows.x, rows.y, rows.w].map(|row| row.map(f64::to_bits));
         let one_at = |index: usize| std::array::from_fn(|i| if i == index { 1.0f64.to_bits() } else { 0 });
         assert_eq!(bits, [one_at(0), one_at(1), one_at(2)]);
-        assert_eq!(rows.matrix(), DMat4::IDENTITY.to_cols_array());
+        assert_eq!(rows.matrix(), DMat4::IDENTITY);
     }
     // Negative control: a lens that is different by 1e-9 is not the identity.
     let p = lens(&mut random, -1.0, -0.2);
@@ -95,7 +95,7 @@ fn agrees_with_unprojecting_turning_and_projecting() {
             * DMat4::from_scale(DVec3::new(camera.zoom, camera.zoom, 1.0))
             * DMat4::from_translation(-camera.shift);
         let expected = view_matrix(&own, &p) * adjusted * matrix_of(&p).inverse();
-        let found = DMat4::from_cols_array(&rows.matrix());
+        let found = rows.matrix();
         assert!(found.abs_diff_eq(expected, 1e-12), "{found}\n{expected}");
         // The row form gives the same as the matrix.
         let c = DVec4::new(random.unit(), random.unit(), random.unit(), random.unit());
@@ -112,7 +112,7 @@ fn the_camera_adjustment_does_what_it_says() {
     let view = Frustum::symmetric(1.5, 1.5);
     let seen = |camera: &CameraAdjustment, p: &Intrinsics, eye: DVec3| {
         let clip = matrix_of(p) * eye.extend(1.0);
-        let result = DMat4::from_cols_array(&clip_rows(p, camera, DMat3::IDENTITY, &view).matrix()) * clip;
+        let result = clip_rows(p, camera, DMat3::IDENTITY, &view).matrix() * clip;
         // Back to a direction in the view's axes.
         view.rays() * DVec3::new(result.x / result.w, result.y / result.w, 1.0)
     };
@@ -123,9 +123,9 @@ fn the_camera_adjustment_does_what_it_says() {
     let moved = CameraAdjustment { shift, ..CameraAdjustment::NONE };
     assert!(seen(&moved, &p, eye).distance(DVec3::new(0.3, -0.2, -1.0)) < 1e-14, "the eye is one unit nearer");
     let unknown = Intrinsics { f: None, ..p };
-    let without = DMat4::from_cols_array(&clip_rows(&unknown, &moved, DMat3::IDENTITY, &view).matrix());
+    let without = clip_rows(&unknown, &moved, DMat3::IDENTITY, &view).matrix();
     let plain = clip_rows(&p, &CameraAdjustment::NONE, DMat3::IDENTITY, &view).matrix();
-    assert_eq!(without.to_cols_array(), plain, "without F the shift is ignored");
+    assert_eq!(without, plain, "without F the shift is ignored");
     // The camera is yawed to the right: a point ahead of it is to the right of the viewer.
     let turned = CameraAdjustment { rotation: rotation(0.4, 0.0, 0.0), ..CameraAdjustment::NONE };
     let ahead = seen(&turned, &p, DVec3::new(0.0, 0.0, -1.0));
@@ -142,7 +142,7 @@ fn f32_depth_and_position_are_as_accurate_as_a_program_s_own() {
             // The program's matrix, as it reaches the driver: f32.
             let frustum = Frustum::symmetric(1.2, 0.8);
             let given = rounded(view_matrix(&frustum, &Intrinsics { a: 0.0, b: 0.0, c: 0.0, d: 0.0, e, f: Some(f) }));
-            let p = perspective(classify(&given.to_cols_array()));
+            let p = perspective(classify(&given));
             let target = Frustum::symmetric(1.6, 1.6);
             let rows = clip_rows(&p, &CameraAdjustment::NONE, face.rotation(), &target);
             let round = |row: [f64; 4]| row.map(|x| x as f32);
@@ -183,19 +183,17 @@ fn bare_projections_are_taken_bit_for_bit() {
     for (_, e, f) in depth_mappings() {
         for _ in 0..200 {
             let p = lens(&mut random, e, f);
-            for mut given in [p, perspective(classify(&rounded(matrix_of(&p)).to_cols_array()))] {
-                assert_eq!(classify(&matrix_of(&given).to_cols_array()), MatrixClass::Perspective(given));
-                let transposed = matrix_of(&given).transpose().to_cols_array();
-                assert_eq!(classify_transposed(&transposed), MatrixClass::Perspective(given));
+            for mut given in [p, perspective(classify(&rounded(matrix_of(&p))))] {
+                assert_eq!(classify(&matrix_of(&given)), MatrixClass::Perspective(given));
                 // Left-handed: z and w grow forward; the window shows the same.
                 let mut left_handed = matrix_of(&given);
                 left_handed.z_axis = -left_handed.z_axis;
-                assert_eq!(classify(&left_handed.to_cols_array()), MatrixClass::Perspective(given));
+                assert_eq!(classify(&left_handed), MatrixClass::Perspective(given));
                 // Upside down: the lens is that of the window's picture.
                 let mut upside_down = matrix_of(&given);
                 upside_down.y_axis = -upside_down.y_axis;
                 given.f = Some(given.f.unwrap_or(0.0));
-                assert_eq!(classify(&upside_down.to_cols_array()), MatrixClass::Perspective(given));
+                assert_eq!(classify(&upside_down), MatrixClass::Perspective(given));
             }
         }
     }
@@ -207,12 +205,12 @@ fn lenses_are_recovered_from_f32_products() {
     for exponent in [0.0, 2.0, 4.0, 6.0] {
         let (mut worst, mut worst_offset, mut with_offset) = (0.0f64, 0.0f64, 0);
         for round in 0..4_000 {
-            let p = perspective(classify(&rounded(matrix_of(&lens(&mut random, -1.0002, -0.20002))).to_cols_array()));
+            let p = perspective(classify(&rounded(matrix_of(&lens(&mut random, -1.0002, -0.20002)))));
             let mirror = if round % 4 == 0 { DVec3::new(-1.0, 1.0, 1.0) } else { DVec3::ONE };
             let scale = 10f64.powf(random.range(-3.0, 3.0));
             let model = DMat4::from_translation(random.direction() * 10f64.powf(exponent))
                 * DMat4::from_mat3(random.rotation() * DMat3::from_diagonal(mirror * scale));
-            let found = perspective(classify(&product_f32(matrix_of(&p), model).to_cols_array()));
+            let found = perspective(classify(&product_f32(matrix_of(&p), model)));
             let relative = ((found.a - p.a) / p.a).abs().max(((found.c - p.c) / p.c).abs());
             let absolute = (found.b - p.b).abs().max((found.d - p.d).abs()).max((found.e - p.e).abs());
             worst = worst.max(relative).max(absolute);
@@ -240,33 +238,34 @@ fn everything_else_is_refused() {
         for (index, excess) in [1e-2, 1e-4].into_iter().enumerate() {
             let scale = DMat3::from_diagonal(DVec3::new(1.0 + excess, 1.0, 1.0));
             let model = DMat4::from_mat3(random.rotation() * scale * random.rotation());
-            match classify(&product_f32(p, model).to_cols_array()) {
+            match classify(&product_f32(p, model)) {
                 MatrixClass::Perspective(_) => accepted[index] += 1,
                 MatrixClass::Stretched { e, .. } => assert!((e + 1.002).abs() < 1e-6, "{e}"),
                 other => panic!("{other:?}"),
             }
         }
         let affine = DMat4::from_mat3(random.rotation() * 3.0);
-        assert_eq!(classify(&affine.to_cols_array()), MatrixClass::Affine);
+        assert_eq!(classify(&affine), MatrixClass::Affine);
     }
     // A scale along the camera's own axes is another lens, not an error; a few of the random scales
     // are of this kind.
     assert!(accepted[0] <= 20 && accepted[1] <= 400, "{accepted:?} of 4000 non-uniform scales accepted");
     let p = matrix_of(&lens(&mut random, -1.002, -0.2));
-    let with = |index: usize, value: f64| {
-        let mut matrix = p.to_cols_array();
-        matrix[index] = value;
+    let with = |change: fn(&mut DMat4)| {
+        let mut matrix = p;
+        change(&mut matrix);
         classify(&matrix)
     };
-    assert_eq!(with(0, f64::NAN), MatrixClass::Other);
-    assert_eq!(with(5, f64::INFINITY), MatrixClass::Other);
-    assert_eq!(with(0, 0.0), MatrixClass::Other, "singular");
-    assert_eq!(with(4, 0.3), MatrixClass::Stretched { e: -1.002, f: Some(-0.2) }, "skewed");
-    assert_eq!(with(1, p.x_axis.x * 1e9), MatrixClass::Other, "rows of x and y are parallel but for rounding");
-    assert_eq!(with(2, 0.3), MatrixClass::Other, "oblique near plane");
-    assert_eq!(classify(&[0.0; 16]), MatrixClass::Other);
-    assert_eq!(classify_transposed(&p.to_cols_array()), MatrixClass::Other, "a projection is not its transpose");
-    let orthographic = DMat4::from_scale(DVec3::new(0.1, 0.2, -0.01)).to_cols_array();
+    assert_eq!(with(|m| m.x_axis.x = f64::NAN), MatrixClass::Other);
+    assert_eq!(with(|m| m.y_axis.y = f64::INFINITY), MatrixClass::Other);
+    assert_eq!(with(|m| m.x_axis.x = 0.0), MatrixClass::Other, "singular");
+    assert_eq!(with(|m| m.y_axis.x = 0.3), MatrixClass::Stretched { e: -1.002, f: Some(-0.2) }, "skewed");
+    let parallel = with(|m| m.x_axis.y = m.x_axis.x * 1e9);
+    assert_eq!(parallel, MatrixClass::Other, "rows of x and y are parallel but for rounding");
+    assert_eq!(with(|m| m.x_axis.z = 0.3), MatrixClass::Other, "oblique near plane");
+    assert_eq!(classify(&DMat4::ZERO), MatrixClass::Other);
+    assert_eq!(classify(&p.transpose()), MatrixClass::Other, "a projection is not its transpose");
+    let orthographic = DMat4::from_scale(DVec3::new(0.1, 0.2, -0.01));
     assert_eq!(classify(&orthographic), MatrixClass::Affine);
 }
 
@@ -278,11 +277,11 @@ fn widened_planes_are_those_of_a_wider_lens() {
     let camera = CameraAdjustment::NONE;
     for (near, far) in [(1.0, 1.5), (0.1, 100.0), (0.01, 1e6)] {
         let matrix = Frustum { left: -0.4, right: 0.4, bottom: -0.3, top: 0.3 }.projection_matrix(near, far);
-        let MatrixClass::Perspective(p) = classify(&matrix.to_cols_array()) else { panic!("a projection") };
+        let MatrixClass::Perspective(p) = classify(&matrix) else { panic!("a projection") };
         let rows = clip_rows(&p, &camera, turn, &frustum).widened(&p, &camera, &frustum);
         let wider = frustum.projection_matrix(near / 3f64.sqrt(), far * 3f64.sqrt());
         let expected = wider * glam::DMat4::from_mat3(turn);
-        let got = glam::DMat4::from_cols_array(&rows.matrix()) * matrix;
+        let got = rows.matrix() * matrix;
         for (got, expected) in got.to_cols_array().into_iter().zip(expected.to_cols_array()) {
             assert!((got - expected).abs() <= 1e-9 * far.max(1.0), "{near} {far}: {got} {expected}");
         }
@@ -297,11 +296,11 @@ fn a_turned_view_loses_nothing_to_a_tight_near_plane() {
     let turn = rotation(45f64.to_radians(), 0.0, 0.0);
     let camera = CameraAdjustment::NONE;
     let matrix = Frustum { left: -0.3, right: 0.3, bottom: -0.3, top: 0.3 }.projection_matrix(10.0, 12.0);
-    let MatrixClass::Perspective(p) = classify(&matrix.to_cols_array()) else { panic!("a projection") };
+    let MatrixClass::Perspective(p) = classify(&matrix) else { panic!("a projection") };
     let tight = clip_rows(&p, &camera, turn, &frustum);
     let clip = |rows: &ClipRows, depth: f64| {
         let c = matrix * glam::DVec4::new(0.1, 0.0, -depth, 1.0);
-        glam::DMat4::from_cols_array(&rows.matrix()) * c
+        rows.matrix() * c
     };
     let lost = |c: glam::DVec4| c.z.abs() > c.w;
     assert!(lost(clip(&tight, 10.5)), "the negative control");
@@ -324,11 +323,11 @@ fn the_own_depth_follows_from_a_view_s() {
         m
     };
     for matrix in [finite(1.0, 1.5), finite(0.1, 100.0), finite(0.01, 1e6), reversed(finite(0.1, 10.0))] {
-        let MatrixClass::Perspective(p) = classify(&matrix.to_cols_array()) else { panic!("a projection") };
+        let MatrixClass::Perspective(p) = classify(&matrix) else { panic!("a projection") };
         let rows = clip_rows(&p, &camera, turn, &frustum).widened(&p, &camera, &frustum);
         for eye in [DVec3::new(0.2, -0.1, -1.1), DVec3::new(-0.4, 0.3, -3.0), DVec3::new(9.0, 1.0, -70.0)] {
             let own = matrix * eye.extend(1.0);
-            let view = DMat4::from_cols_array(&rows.matrix()) * own;
+            let view = rows.matrix() * own;
             let got = rows.own_depth(view.z / view.w, view.w / own.w);
             assert!((got - own.z / own.w).abs() < 1e-12, "{eye}: {got} for {}", own.z / own.w);
         }

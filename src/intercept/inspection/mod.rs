@@ -2,8 +2,10 @@
 //!
 //! The modules of OpenGL and Vulkan describe each draw of the program's last frame ([`note_draw`]).
 //! When the program ends, the record is written as a page ([`page`]). Nothing is recorded unless a
-//! page was requested. [`last_frame`] writes the statistics and the pictures at the end.
+//! page was requested. [`last_frame`] writes the statistics and the pictures at the end;
+//! [`common_statistics`] holds those of the statistics that come from the plan and the process.
 
+pub mod common_statistics;
 pub mod last_frame;
 pub mod page;
 

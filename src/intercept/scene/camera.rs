@@ -4,6 +4,7 @@ use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::scene::lens::same;
 use crate::runtime::Session;
 use crate::runtime::session::{CameraFunction, Intrinsics, MatrixClass, classify};
+use glam::DMat4;
 
 /// A lens of the program and its reprojection matrix for each view.
 pub struct Camera {
@@ -89,7 +90,7 @@ impl Cameras {
     /// Returns the dependence of a matrix on one of the cameras that are shown. If none is shown,
     /// returns the dependence on the camera that the matrix itself contains. `inverted`: the shader
     /// computes the inverse of the matrix.
-    pub fn function_of(&self, matrix: &[f64; 16], inverted: bool) -> Option<(CameraFunction, Intrinsics)> {
+    pub fn function_of(&self, matrix: &DMat4, inverted: bool) -> Option<(CameraFunction, Intrinsics)> {
         let mut known = self.shown().peekable();
         if known.peek().is_none() {
             return match classify(matrix) {

@@ -1,6 +1,5 @@
 //! Finds programs that do not draw objects outside their own field of view.
 
-use crate::intercept::process::log;
 use crate::intercept::scene::lens::field_of_view;
 use crate::runtime::Session;
 use crate::runtime::session::Intrinsics;
@@ -29,7 +28,7 @@ const MOST_FRAMES: u32 = 2000;
 /// picture.
 const FACTOR: u64 = 4;
 
-/// Reports once that objects outside the program's own field of view are missing.
+/// Tells once that objects outside the program's own field of view are missing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CullingProgram {
     /// Draws of earlier frames.
@@ -42,19 +41,21 @@ pub struct CullingProgram {
 }
 
 impl CullingProgram {
-    /// Examines the draws at the end of a frame. `draws`: all of the program's draws so far.
-    pub fn look(&mut self, draws: Places, lens: Option<&Intrinsics>, session: &Session) {
+    /// Examines the draws at the end of a frame. Returns the message if it is to be logged now.
+    /// `draws`: all of the program's draws so far.
+    pub fn look(&mut self, draws: Places, lens: Option<&Intrinsics>, session: &Session) -> Option<String> {
         let shows_own_lens = (0..session.views().len()).all(|index| session.tile(index).1);
-        if let (true, Some(lens), false) = (self.leaves_out(draws), lens, shows_own_lens) {
-            log::once(&format!(
+        let lens = lens.filter(|_| !shows_own_lens);
+        self.leaves_out(draws).then_some(lens).flatten().map(|lens| {
+            format!(
                 "the program seems to leave out what lies beside its own field of view ({}): of its draws {} cross the \
                  border of its picture, and {} lie beside it. Objects may be missing at the sides and behind. Give the \
                  program a larger field of view (docs/compatibility.md, \"What a program leaves out itself\")",
                 field_of_view(lens),
                 draws.crossing,
                 draws.outside
-            ));
-        }
+            )
+        })
     }
 
     /// True if it needs no more draws.
@@ -86,6 +87,23 @@ impl CullingProgram {
 #[cfg(test)]
 mod tests {
     use super::{CullingProgram, ENOUGH, FRAMES, MOST_FRAMES, Places};
+    use crate::rig;
+    use crate::runtime::session::{Extras, Intrinsics, Session};
+
+    #[test]
+    fn the_message_is_given_only_where_views_differ_from_the_program_s_picture() {
+        let lens = Intrinsics { a: 1.0, b: 0.0, c: 1.0, d: 0.0, e: -1.02, f: Some(-0.2) };
+        let messages = |preset: &str| {
+            let rig = rig::load(preset).expect("a preset");
+            let session = Session::new(&rig, (256, 256), false, 4096, Extras::default()).expect("can be planned");
+            let mut program = CullingProgram::default();
+            let frames = (1..=u64::from(2 * FRAMES)).map(|frame| Places { crossing: frame * ENOUGH, outside: 0 });
+            frames.filter_map(|draws| program.look(draws, Some(&lens), &session)).collect::<Vec<_>>()
+        };
+        assert_eq!(messages("identity"), [""; 0]);
+        let told = messages("fisheye");
+        assert!(told.len() == 1 && told[0].contains("90.00° × 90.00°"), "{told:?}");
+    }
 
     /// Returns in how many of these frames a program with these draws in each frame is reported.
     fn told(program: &mut CullingProgram, frames: u32, crossing: u64, outside: u64) -> usize {

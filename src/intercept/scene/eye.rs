@@ -2,6 +2,7 @@
 //! them.
 
 use crate::runtime::session::{CameraFunction, Intrinsics, ViewMatrix, eye_axes};
+use glam::DMat4;
 
 /// A projection of a shader, and the kinds of its other matrices.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +21,7 @@ impl Eye {
     /// Looks for a projection and view matrices among matrices with these values and `functions` of
     /// the camera. `called` returns the kind of view matrix that a matrix is by its name.
     pub fn of(
-        values: &[Option<[f64; 16]>],
+        values: &[Option<DMat4>],
         functions: &[Option<(CameraFunction, Intrinsics)>],
         called: impl Fn(usize) -> Option<ViewMatrix>,
     ) -> Option<Self> {
@@ -55,12 +56,13 @@ pub fn view_matrix_called(name: &str) -> Option<ViewMatrix> {
 mod tests {
     use super::{Eye, view_matrix_called};
     use crate::runtime::session::{CameraFunction, Intrinsics, ViewMatrix};
+    use glam::{DMat4, DQuat, DVec3};
 
     #[test]
     fn a_projection_beside_a_view_matrix_is_found() {
         let lens = Intrinsics { a: 1.5, b: 0.0, c: 2.0, d: 0.0, e: -1.02, f: Some(-0.2) };
-        let projection = [1.5, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, -1.02, -1.0, 0.0, 0.0, -0.2, 0.0];
-        let turn = [0.8, 0.0, 0.6, 0.0, 0.0, 1.0, 0.0, 0.0, -0.6, 0.0, 0.8, 0.0, 1.0, 2.0, 3.0, 1.0];
+        let projection = lens.projection(-0.2);
+        let turn = DMat4::from_rotation_translation(DQuat::from_rotation_y(0.6), DVec3::new(1.0, 2.0, 3.0));
         let values = [Some(turn), None, Some(projection)];
         let function = CameraFunction::of(&projection, &lens).expect("the projection");
         let functions = [None, None, Some((function, lens))];

@@ -1,6 +1,5 @@
 //! Finds programs in which no draw is recognised as a scene.
 
-use crate::intercept::process::log;
 use crate::runtime::Session;
 
 /// Number of draws after which the message is logged.
@@ -80,7 +79,7 @@ impl MissingLenses {
     }
 }
 
-/// Reports once that all draws to a window are flat, and what the user can try.
+/// Tells once that all draws to a window are flat, and what the user can try.
 #[derive(Clone, Debug, Default)]
 pub struct FlatProgram {
     decided: bool,
@@ -88,7 +87,8 @@ pub struct FlatProgram {
 }
 
 impl FlatProgram {
-    /// Examines the program at the end of a frame. `draws`: number of its draws to the window.
+    /// Examines the program at the end of a frame. Returns the message if it is to be logged now.
+    /// `draws`: number of its draws to the window.
     /// `has_scene`: a part of a scene has been drawn there. `missing`: draws without a lens, as far
     /// as they are known. `off_screen` returns what the program draws off screen.
     pub fn look(
@@ -98,20 +98,16 @@ impl FlatProgram {
         session: &Session,
         missing: &MissingLenses,
         off_screen: impl FnOnce() -> OffScreen,
-    ) {
+    ) -> Option<&str> {
         if !self.is_flat(draws, has_scene) {
-            return;
+            return None;
         }
         let off_screen = off_screen();
         if session.given_lens().is_some() && !matches!(off_screen, OffScreen::Scene(_)) {
-            return;
+            return None;
         }
         let shows_own_lens = (0..session.views().len()).all(|index| session.tile(index).1);
-        if !shows_own_lens {
-            let text = text(&off_screen, missing);
-            log::once(&text);
-            self.note = Some(text);
-        }
+        (!shows_own_lens).then(|| &**self.note.insert(text(&off_screen, missing)))
     }
 
     /// The message, for the statistics.
@@ -154,6 +150,27 @@ fn text(off_screen: &OffScreen, missing: &MissingLenses) -> String {
 #[cfg(test)]
 mod tests {
     use super::{ENOUGH, FlatProgram, MissingLens, MissingLenses, OffScreen, text};
+    use crate::rig;
+    use crate::runtime::session::{Extras, Session};
+
+    fn session(preset: &str) -> Session {
+        let rig = rig::load(preset).expect("a preset");
+        Session::new(&rig, (256, 256), false, 4096, Extras::default()).expect("can be planned")
+    }
+
+    #[test]
+    fn the_message_is_given_once_where_views_differ_from_the_program_s_picture() {
+        let missing = MissingLenses::default();
+        let look = |flat: &mut FlatProgram, session: &Session| {
+            flat.look(ENOUGH, false, session, &missing, || OffScreen::Nothing).map(str::to_owned)
+        };
+        let mut flat = FlatProgram::default();
+        let told = look(&mut flat, &session("fisheye")).expect("a message");
+        assert_eq!(flat.note(), Some(&*told));
+        assert_eq!(look(&mut flat, &session("fisheye")), None, "told already");
+        let mut identity = FlatProgram::default();
+        assert_eq!((look(&mut identity, &session("identity")), identity.note()), (None, None));
+    }
 
     #[test]
     fn a_flat_program_is_told_once_and_one_with_a_scene_never() {

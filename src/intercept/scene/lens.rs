@@ -1,6 +1,7 @@
 //! Finds the lens among a program's 4×4 matrices. No graphics API is named.
 
 use crate::runtime::session::{CameraFunction, Intrinsics, MatrixClass, classify};
+use glam::{DMat4, DVec3, Vec4Swizzles};
 use std::collections::BTreeSet;
 
 /// A matrix that may hold the lens.
@@ -8,8 +9,8 @@ use std::collections::BTreeSet;
 pub struct Candidate<'a> {
     /// Rank of its name, by [`rank`].
     pub rank: u8,
-    /// Its values, column by column.
-    pub value: &'a [f64; 16],
+    /// Its value.
+    pub value: &'a DMat4,
     /// Order of its values, as far as it is known.
     pub order: Order,
 }
@@ -107,7 +108,7 @@ const OFFSET_TOLERANCE: f64 = 2e-3;
 
 impl Candidate<'_> {
     /// A matrix of either order.
-    pub fn either(rank: u8, value: &[f64; 16]) -> Candidate<'_> {
+    pub fn either(rank: u8, value: &DMat4) -> Candidate<'_> {
         Candidate { rank, value, order: Order::Either }
     }
 
@@ -132,8 +133,8 @@ impl Candidate<'_> {
     }
 
     fn found(&self) -> Option<Found> {
-        let turned = transposed(self.value);
-        let found = |value: &[f64; 16], pure: bool, guessed: bool| {
+        let turned = self.value.transpose();
+        let found = |value: &DMat4, pure: bool, guessed: bool| {
             let (intrinsics, certainty) = match classify(value) {
                 MatrixClass::Perspective(lens) if pure => (lens, Certainty::Projection),
                 MatrixClass::Perspective(lens) => (lens, Certainty::Product),
@@ -213,15 +214,10 @@ pub fn fours(numbers: &[u32]) -> BTreeSet<u32> {
     firsts
 }
 
-/// `[A 0 B 0; 0 C D 0; 0 0 E F; 0 0 ∓1 0]`, column by column.
-fn is_projection(m: &[f64; 16]) -> bool {
-    let zero = [1, 2, 3, 4, 6, 7, 12, 13, 15];
-    zero.iter().all(|i| m[*i] == 0.0) && m[11].abs() == 1.0
-}
-
-/// Exchanges rows and columns.
-pub fn transposed(m: &[f64; 16]) -> [f64; 16] {
-    std::array::from_fn(|i| m[i % 4 * 4 + i / 4])
+/// `[A 0 B 0; 0 C D 0; 0 0 E F; 0 0 ∓1 0]`.
+fn is_projection(m: &DMat4) -> bool {
+    let zeros = [m.x_axis.yzw(), m.y_axis.xzw(), m.w_axis.xyw()];
+    zeros == [DVec3::ZERO; 3] && m.z_axis.w.abs() == 1.0
 }
 
 /// Returns the rank of a name among candidates for the projection, 0…2: the lower, the more likely.
@@ -239,30 +235,39 @@ pub fn rank(name: &str) -> u8 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Candidate, Certainty, Order, Told, find, fours, is_projection, rank, transposed};
+    use super::{Candidate, Certainty, Order, Told, find, fours, is_projection, rank};
     use crate::runtime::session::Intrinsics;
-    use glam::DMat4;
+    use glam::{DMat4, DVec3, DVec4};
 
-    const PROJECTION: [f64; 16] = [1.5, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.1, 0.2, -1.01, -1.0, 0.0, 0.0, -0.2, 0.0];
+    const PROJECTION: DMat4 = DMat4::from_cols_array_2d(&[
+        [1.5, 0.0, 0.0, 0.0],
+        [0.0, 2.0, 0.0, 0.0],
+        [0.1, 0.2, -1.01, -1.0],
+        [0.0, 0.0, -0.2, 0.0],
+    ]);
+
+    /// `PROJECTION` for a wider picture.
+    fn wider() -> DMat4 {
+        DMat4 { x_axis: 0.7 * DVec4::X, ..PROJECTION }
+    }
 
     #[test]
     fn a_projection_is_told_from_its_transpose_and_from_a_translation() {
         assert!(is_projection(&PROJECTION));
-        assert!(!is_projection(&transposed(&PROJECTION)));
-        let translation = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0, 1.0];
+        assert!(!is_projection(&PROJECTION.transpose()));
+        let translation = DMat4::from_translation(DVec3::NEG_Z);
         assert!(!is_projection(&translation));
-        assert!(!is_projection(&transposed(&translation)));
+        assert!(!is_projection(&translation.transpose()));
     }
 
     #[test]
     fn the_inverse_of_a_projection_is_no_lens() {
-        let inverse = |m: &[f64; 16]| DMat4::from_cols_array(m).inverse().to_cols_array();
-        let either = |value: &[f64; 16]| lens(&[Candidate::either(0, value)]);
-        assert_eq!(either(&inverse(&PROJECTION)), None);
-        assert_eq!(either(&transposed(&inverse(&PROJECTION))), None);
+        let either = |value: &DMat4| lens(&[Candidate::either(0, value)]);
+        assert_eq!(either(&PROJECTION.inverse()), None);
+        assert_eq!(either(&PROJECTION.inverse().transpose()), None);
         // Reversed depth without a far plane.
         let mut reversed = PROJECTION;
-        (reversed[10], reversed[14]) = (0.0, 0.1);
+        (reversed.z_axis.z, reversed.w_axis.z) = (0.0, 0.1);
         assert_eq!(either(&reversed), Some(1.5));
     }
 
@@ -278,20 +283,23 @@ mod tests {
 
     #[test]
     fn the_purest_and_most_promising_matrix_is_believed() {
-        let mut wider = PROJECTION;
-        wider[0] = 0.7;
-        assert_eq!(lens(&[Candidate::either(1, &PROJECTION), Candidate::either(0, &wider)]), Some(0.7));
-        let turned = transposed(&PROJECTION);
-        assert_eq!(lens(&[Candidate::either(1, &turned), Candidate::either(1, &wider)]), Some(1.5));
+        assert_eq!(lens(&[Candidate::either(1, &PROJECTION), Candidate::either(0, &wider())]), Some(0.7));
+        let turned = PROJECTION.transpose();
+        assert_eq!(lens(&[Candidate::either(1, &turned), Candidate::either(1, &wider())]), Some(1.5));
         assert_eq!(lens(&[]), None);
     }
 
     /// `PROJECTION` after a turn by 90° and a shift.
-    const PRODUCT: [f64; 16] = [0.1, 0.2, -1.01, -1.0, 0.0, 2.0, 0.0, 0.0, -1.5, 0.0, 0.0, 0.0, 3.0, 4.0, 5.0, 6.0];
+    const PRODUCT: DMat4 = DMat4::from_cols_array_2d(&[
+        [0.1, 0.2, -1.01, -1.0],
+        [0.0, 2.0, 0.0, 0.0],
+        [-1.5, 0.0, 0.0, 0.0],
+        [3.0, 4.0, 5.0, 6.0],
+    ]);
 
     #[test]
     fn a_product_is_found_by_its_rows_where_nothing_else_is() {
-        let rows = transposed(&PRODUCT);
+        let rows = PRODUCT.transpose();
         let close = |found: Option<f64>| found.is_some_and(|a| (a - 1.5).abs() < 1e-9);
         for (value, order) in [(&PRODUCT, Order::Columns), (&rows, Order::Rows)] {
             assert!(close(lens(&[Candidate { rank: 1, value, order }])), "{order:?}");
@@ -300,15 +308,13 @@ mod tests {
         for (value, order) in [(&PRODUCT, Order::Rows), (&rows, Order::Columns)] {
             assert_eq!(lens(&[Candidate { rank: 1, value, order }]), None, "{order:?}");
         }
-        let mut wider = PROJECTION;
-        wider[0] = 0.7;
-        assert_eq!(lens(&[Candidate::either(0, &rows), Candidate::either(2, &wider)]), Some(0.7));
+        assert_eq!(lens(&[Candidate::either(0, &rows), Candidate::either(2, &wider())]), Some(0.7));
     }
 
     #[test]
     fn a_translation_by_rows_is_no_lens() {
-        let translation = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -5.0, 1.0];
-        for value in [translation, transposed(&translation)] {
+        let translation = DMat4::from_translation(5.0 * DVec3::NEG_Z);
+        for value in [translation, translation.transpose()] {
             assert_eq!(lens(&[Candidate::either(0, &value)]), None);
         }
     }

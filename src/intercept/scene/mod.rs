@@ -10,7 +10,6 @@
 //! - [`culling_program`]: does the program leave out objects outside its own picture?
 //! - [`obstacle`]: why is something shown flat, or drawn only once?
 //! - [`query_scaling`]: which count does the program get for a query?
-//! - [`common_statistics`]: which statistics come from the plan?
 //! - [`to_window`]: where is a fragment of a view in the program's window?
 //!
 //! ```text
@@ -24,7 +23,6 @@
 //! The modules of OpenGL and Vulkan collect the facts and issue the draws.
 
 pub mod camera;
-pub mod common_statistics;
 pub mod culling_program;
 pub mod eye;
 pub mod flat_program;

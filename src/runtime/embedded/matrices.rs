@@ -10,7 +10,7 @@ use glam::{DMat4, DVec4};
 pub(super) fn vectors_of_view(
     session: &Session,
     index: usize,
-    matrix: &[f64; 16],
+    matrix: &DMat4,
 ) -> Result<(ReprojectionMatrix, LensConstants)> {
     let MatrixClass::Perspective(lens) = classify(matrix) else {
         let message = "the matrix is not a perspective matrix; expected one like that of glFrustum or gluPerspective";

@@ -168,12 +168,12 @@ impl EmbeddedVulkan {
 
     /// Returns the numbers of `cupola_view` for a view, for the functions of
     /// [`correct::projected::projection`](crate::correct::projected::projection), if the program
-    /// draws with the perspective `matrix` (column by column) of Vulkan's clip space, with y down.
+    /// draws with the perspective `matrix` of Vulkan's clip space, with y down.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidArgument`] for an index that does not exist, or a matrix that is no
     /// perspective.
-    pub fn projection(&self, index: usize, matrix: &[f64; 16]) -> Result<[f32; 32]> {
+    pub fn projection(&self, index: usize, matrix: &DMat4) -> Result<[f32; 32]> {
         let (rows, lens) = vectors_of_view(&self.session, index, matrix)?;
         Ok(joined(&rows.y_down(), &lens.y_down()))
     }

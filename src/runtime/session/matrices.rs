@@ -118,9 +118,8 @@ mod tests {
         other.camera.pitch = 0.3;
         let plan = |rig| Session::new(rig, (900, 300), false, 8192, Extras::default()).expect("can be planned");
         let (mut session, planned) = (plan(&rig), plan(&other));
-        let MatrixClass::Perspective(lens) = classify(
-            &Frustum { left: -0.8, right: 0.7, bottom: -0.5, top: 0.6 }.projection_matrix(1.0, 1000.0).to_cols_array(),
-        ) else {
+        let frustum = Frustum { left: -0.8, right: 0.7, bottom: -0.5, top: 0.6 };
+        let MatrixClass::Perspective(lens) = classify(&frustum.projection_matrix(1.0, 1000.0)) else {
             panic!("it is one")
         };
         let rows = |session: &Session| session.rows(&lens).collect::<Vec<_>>();
@@ -139,7 +138,7 @@ mod tests {
         // Takes a point of the program's eye space through the program's lens into each view.
         let frustum = Frustum { left: -0.8, right: 0.7, bottom: -0.5, top: 0.6 };
         let program = frustum.projection_matrix(1.0, 1000.0);
-        let MatrixClass::Perspective(lens) = classify(&program.to_cols_array()) else { panic!("it is one") };
+        let MatrixClass::Perspective(lens) = classify(&program) else { panic!("it is one") };
         let point = DVec3::new(3.0, 2.0, -20.0);
         let clip = program * point.extend(1.0);
         for (view, rows) in session.views().iter().zip(session.rows(&lens)) {

@@ -43,7 +43,7 @@ pub fn case(random: &mut Random) -> Vec<Finding> {
     (matrix.z_axis.z, matrix.w_axis.z) = (e, f);
     // Rounded to f32, as it reaches the driver.
     let given = DMat4::from_cols_array(&matrix.to_cols_array().map(single));
-    let MatrixClass::Perspective(p) = classify(&given.to_cols_array()) else {
+    let MatrixClass::Perspective(p) = classify(&given) else {
         return vec![finding("clip: projections not recognised", 1.0, 0.0, name)];
     };
     let turn = if random.unit() < 0.5 { pick(random, &Face::ALL).rotation() } else { random.rotation() };

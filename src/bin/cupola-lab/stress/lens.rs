@@ -62,7 +62,8 @@ pub fn case(random: &mut Random) -> Vec<Finding> {
 }
 
 /// The product of two matrices, with every operation in f32 as in a program.
-fn product(a: DMat4, b: DMat4) -> [f64; 16] {
+fn product(a: DMat4, b: DMat4) -> DMat4 {
     let (a, b) = (a.to_cols_array().map(|x| x as f32), b.to_cols_array().map(|x| x as f32));
-    std::array::from_fn(|i| f64::from((0..4).map(|k| a[4 * k + i % 4] * b[4 * (i / 4) + k]).sum::<f32>()))
+    let entry = |i: usize| f64::from((0..4).map(|k| a[4 * k + i % 4] * b[4 * (i / 4) + k]).sum::<f32>());
+    DMat4::from_cols_array(&std::array::from_fn(entry))
 }

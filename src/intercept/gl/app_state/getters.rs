@@ -88,7 +88,7 @@ macro_rules! getters {
                         *values.add(1) = $convert(position[1]);
                     }
                 } else if let Some(matrix) = wide_projection::answer(&ctx.drawable, &mut ctx.compat, gl, name) {
-                    for (i, value) in matrix.into_iter().enumerate() {
+                    for (i, value) in matrix.to_cols_array().into_iter().enumerate() {
                         *values.add(i) = $convert(value);
                     }
                 } else if let Some((answer, count)) = app_state_answer(ctx, name) {

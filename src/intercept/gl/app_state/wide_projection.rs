@@ -10,13 +10,13 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::compat::Compat;
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::runtime::session::{Intrinsics, MatrixClass};
+use glam::DMat4;
 
 /// Distance of the sides of the box if the matrix has no far plane, in distances of its near plane.
 const WITHOUT_FAR_PLANE: f64 = 1e6;
 
-/// Returns sixteen numbers that answer a `glGet` of the projection matrix; `None`: the driver
-/// answers.
-pub fn answer(drawable: &Drawable, compat: &mut Compat, gl: &Gl, name: u32) -> Option<[f64; 16]> {
+/// Returns the answer to a `glGet` of the projection matrix; `None`: the driver answers.
+pub fn answer(drawable: &Drawable, compat: &mut Compat, gl: &Gl, name: u32) -> Option<DMat4> {
     let transposed = match name {
         api::GL_PROJECTION_MATRIX => false,
         api::GL_TRANSPOSE_PROJECTION_MATRIX => true,
@@ -31,27 +31,24 @@ pub fn answer(drawable: &Drawable, compat: &mut Compat, gl: &Gl, name: u32) -> O
     compat.projection.refresh(gl, Some(session));
     let MatrixClass::Perspective(lens) = compat.projection.class() else { return None };
     let wide = widened(compat.projection.matrix(), lens)?;
-    Some(if transposed { std::array::from_fn(|i| wide[i % 4 * 4 + i / 4]) } else { wide })
+    Some(if transposed { wide.transpose() } else { wide })
 }
 
-/// Returns the matrix, column by column, with a box instead of the lens. Other factors of the
-/// matrix stay. `None` if the distances of its planes are not known.
-fn widened(matrix: &[f64; 16], lens: &Intrinsics) -> Option<[f64; 16]> {
+/// Returns the matrix with a box instead of the lens. Other factors of the matrix stay. `None` if
+/// the distances of its planes are not known.
+fn widened(matrix: &DMat4, lens: &Intrinsics) -> Option<DMat4> {
     let Intrinsics { a, b, c, d, e, f } = *lens;
     let f = f.filter(|f| *f != 0.0)?;
     // The distances at which the depth is 1 and −1. With reversed depth the first one is the
     // nearer.
     let mut distances = [(f / (e + 1.0)).abs(), (f / (e - 1.0)).abs()];
     distances.sort_by(f64::total_cmp);
-    let far = if distances[1].is_finite() { distances[1] } else { distances[0] * WITHOUT_FAR_PLANE };
-    let mut wide = [0.0; 16];
-    for (to, from) in wide.chunks_exact_mut(4).zip(matrix.chunks_exact(4)) {
-        let [x, y, z, w] = [from[0], from[1], from[2], from[3]];
-        // The coordinates in the space of the eye (w is the distance ahead) divided by half an edge
-        // of the box, and 1.
-        to.copy_from_slice(&[(x + b * w) / a / far, (y + d * w) / c / far, w / far, (z + e * w) / f]);
-    }
-    Some(wide)
+    let [near, far] = distances;
+    let far = if far.is_finite() { far } else { near * WITHOUT_FAR_PLANE };
+    // The coordinates in the space of the eye (w is the distance ahead) divided by half an edge of
+    // the box, and 1.
+    let wide = |[x, y, z, w]: [f64; 4]| [(x + b * w) / a / far, (y + d * w) / c / far, w / far, (z + e * w) / f];
+    Some(DMat4::from_cols_array_2d(&matrix.to_cols_array_2d().map(wide)))
 }
 
 #[cfg(test)]
@@ -61,7 +58,7 @@ mod tests {
     use crate::runtime::session::{Intrinsics, MatrixClass, classify};
     use glam::{DMat4, DQuat, DVec3};
 
-    fn lens(matrix: &[f64; 16]) -> Intrinsics {
+    fn lens(matrix: &DMat4) -> Intrinsics {
         match classify(matrix) {
             MatrixClass::Perspective(lens) => lens,
             other => panic!("{other:?}"),
@@ -69,8 +66,8 @@ mod tests {
     }
 
     /// True if a point is within the six planes.
-    fn is_inside(matrix: &[f64; 16], point: DVec3) -> bool {
-        let clip = DMat4::from_cols_array(matrix) * point.extend(1.0);
+    fn is_inside(matrix: &DMat4, point: DVec3) -> bool {
+        let clip = *matrix * point.extend(1.0);
         clip.truncate().abs().max_element() <= clip.w
     }
 
@@ -81,7 +78,6 @@ mod tests {
         for (eye, matrix) in
             [(DVec3::ZERO, projection), (view.inverse().transform_point3(DVec3::ZERO), projection * view)]
         {
-            let matrix = matrix.to_cols_array();
             let wide = widened(&matrix, &lens(&matrix)).expect("its planes are known");
             for direction in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z] {
                 assert!(is_inside(&wide, eye + direction * 99.0), "{direction}");
@@ -94,10 +90,10 @@ mod tests {
     #[test]
     fn reversed_depth_and_none_have_a_distance() {
         let frustum = Frustum::symmetric(1.4, 1.0);
-        let reversed = frustum.projection_matrix(100.0, 1.0).to_cols_array();
+        let reversed = frustum.projection_matrix(100.0, 1.0);
         let wide = widened(&reversed, &lens(&reversed)).expect("its planes are known");
         assert!(is_inside(&wide, DVec3::Z * 99.0) && !is_inside(&wide, DVec3::Z * 101.0));
-        let endless = frustum.projection_matrix(0.5, f64::INFINITY).to_cols_array();
+        let endless = frustum.projection_matrix(0.5, f64::INFINITY);
         let wide = widened(&endless, &lens(&endless)).expect("its planes are known");
         assert!(
             is_inside(&wide, DVec3::X * 0.49 * WITHOUT_FAR_PLANE) && !is_inside(&wide, DVec3::X * WITHOUT_FAR_PLANE)

@@ -160,8 +160,8 @@ fn change_matrix(gl: &Gl, command: &Command) -> bool {
     unsafe {
         match command {
             Command::LoadIdentity => gl.load_identity(),
-            Command::LoadMatrix(m) => gl.load_matrixd(m.as_ptr()),
-            Command::MultMatrix(m) => gl.mult_matrixd(m.as_ptr()),
+            Command::LoadMatrix(m) => gl.load_matrixd(m.as_ref().as_ptr()),
+            Command::MultMatrix(m) => gl.mult_matrixd(m.as_ref().as_ptr()),
             Command::Frustum([l, r, b, t, n, f]) => gl.frustum(*l, *r, *b, *t, *n, *f),
             Command::Ortho([l, r, b, t, n, f]) => gl.ortho(*l, *r, *b, *t, *n, *f),
             Command::Rotate([a, x, y, z]) => gl.rotated(*a, *x, *y, *z),

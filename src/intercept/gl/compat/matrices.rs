@@ -9,6 +9,7 @@ use crate::intercept::gl::context::list_recording::{self, Command};
 use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::process::call_sum;
+use glam::DMat4;
 
 /// Runs a matrix command of the program, or records it into the list that is being compiled.
 fn matrix_command(ctx: &mut Context, command: Command, run: impl FnOnce()) {
@@ -52,28 +53,25 @@ fn named(ctx: &mut Context, mode: u32, command: Command, run: impl FnOnce()) {
     });
 }
 
-fn array<T: Copy + Into<f64>>(pointer: *const T) -> [f64; 16] {
+/// Reads a matrix of the program.
+fn read<T: Copy + Into<f64>>(pointer: *const T) -> DMat4 {
     // SAFETY: the program passes sixteen numbers to a matrix command.
     unsafe { call_sum::add_values(pointer, 16) };
     // SAFETY: as above.
-    std::array::from_fn(|i| unsafe { (*pointer.add(i)).into() })
-}
-
-fn transposed(m: [f64; 16]) -> [f64; 16] {
-    std::array::from_fn(|i| m[i % 4 * 4 + i / 4])
+    DMat4::from_cols_array(&std::array::from_fn(|i| unsafe { (*pointer.add(i)).into() }))
 }
 
 hooks! {
     "glMatrixLoadIdentityEXT" matrix_load_identity_ext(mode: u32) = |ctx, gl|
         named(ctx, mode, Command::LoadIdentity, || gl.matrix_load_identity_ext(mode));
     "glMatrixLoadfEXT" matrix_loadf_ext(mode: u32, m: *const f32) = |ctx, gl|
-        named(ctx, mode, Command::LoadMatrix(array(m)), || gl.matrix_loadf_ext(mode, m));
+        named(ctx, mode, Command::LoadMatrix(read(m)), || gl.matrix_loadf_ext(mode, m));
     "glMatrixLoaddEXT" matrix_loadd_ext(mode: u32, m: *const f64) = |ctx, gl|
-        named(ctx, mode, Command::LoadMatrix(array(m)), || gl.matrix_loadd_ext(mode, m));
+        named(ctx, mode, Command::LoadMatrix(read(m)), || gl.matrix_loadd_ext(mode, m));
     "glMatrixMultfEXT" matrix_multf_ext(mode: u32, m: *const f32) = |ctx, gl|
-        named(ctx, mode, Command::MultMatrix(array(m)), || gl.matrix_multf_ext(mode, m));
+        named(ctx, mode, Command::MultMatrix(read(m)), || gl.matrix_multf_ext(mode, m));
     "glMatrixMultdEXT" matrix_multd_ext(mode: u32, m: *const f64) = |ctx, gl|
-        named(ctx, mode, Command::MultMatrix(array(m)), || gl.matrix_multd_ext(mode, m));
+        named(ctx, mode, Command::MultMatrix(read(m)), || gl.matrix_multd_ext(mode, m));
     "glMatrixFrustumEXT" matrix_frustum_ext(mode: u32, l: f64, r: f64, b: f64, t: f64, n: f64, f: f64) = |ctx, gl|
         named(ctx, mode, Command::Frustum([l, r, b, t, n, f]), || gl.matrix_frustum_ext(mode, l, r, b, t, n, f));
     "glMatrixOrthoEXT" matrix_ortho_ext(mode: u32, l: f64, r: f64, b: f64, t: f64, n: f64, f: f64) = |ctx, gl|
@@ -100,18 +98,18 @@ hooks! {
         }
     };
     "glLoadIdentity" load_identity() = |ctx, gl| matrix_command(ctx, Command::LoadIdentity, || gl.load_identity());
-    "glLoadMatrixf" load_matrixf(m: *const f32) = |ctx, gl| matrix_command(ctx, Command::LoadMatrix(array(m)), || gl.load_matrixf(m));
-    "glLoadMatrixd" load_matrixd(m: *const f64) = |ctx, gl| matrix_command(ctx, Command::LoadMatrix(array(m)), || gl.load_matrixd(m));
-    "glMultMatrixf" mult_matrixf(m: *const f32) = |ctx, gl| matrix_command(ctx, Command::MultMatrix(array(m)), || gl.mult_matrixf(m));
-    "glMultMatrixd" mult_matrixd(m: *const f64) = |ctx, gl| matrix_command(ctx, Command::MultMatrix(array(m)), || gl.mult_matrixd(m));
+    "glLoadMatrixf" load_matrixf(m: *const f32) = |ctx, gl| matrix_command(ctx, Command::LoadMatrix(read(m)), || gl.load_matrixf(m));
+    "glLoadMatrixd" load_matrixd(m: *const f64) = |ctx, gl| matrix_command(ctx, Command::LoadMatrix(read(m)), || gl.load_matrixd(m));
+    "glMultMatrixf" mult_matrixf(m: *const f32) = |ctx, gl| matrix_command(ctx, Command::MultMatrix(read(m)), || gl.mult_matrixf(m));
+    "glMultMatrixd" mult_matrixd(m: *const f64) = |ctx, gl| matrix_command(ctx, Command::MultMatrix(read(m)), || gl.mult_matrixd(m));
     "glLoadTransposeMatrixf" load_transpose_matrixf(m: *const f32) = |ctx, gl|
-        matrix_command(ctx, Command::LoadMatrix(transposed(array(m))), || gl.load_transpose_matrixf(m));
+        matrix_command(ctx, Command::LoadMatrix(read(m).transpose()), || gl.load_transpose_matrixf(m));
     "glLoadTransposeMatrixd" load_transpose_matrixd(m: *const f64) = |ctx, gl|
-        matrix_command(ctx, Command::LoadMatrix(transposed(array(m))), || gl.load_transpose_matrixd(m));
+        matrix_command(ctx, Command::LoadMatrix(read(m).transpose()), || gl.load_transpose_matrixd(m));
     "glMultTransposeMatrixf" mult_transpose_matrixf(m: *const f32) = |ctx, gl|
-        matrix_command(ctx, Command::MultMatrix(transposed(array(m))), || gl.mult_transpose_matrixf(m));
+        matrix_command(ctx, Command::MultMatrix(read(m).transpose()), || gl.mult_transpose_matrixf(m));
     "glMultTransposeMatrixd" mult_transpose_matrixd(m: *const f64) = |ctx, gl|
-        matrix_command(ctx, Command::MultMatrix(transposed(array(m))), || gl.mult_transpose_matrixd(m));
+        matrix_command(ctx, Command::MultMatrix(read(m).transpose()), || gl.mult_transpose_matrixd(m));
     "glFrustum" frustum(l: f64, r: f64, b: f64, t: f64, n: f64, f: f64) = |ctx, gl|
         matrix_command(ctx, Command::Frustum([l, r, b, t, n, f]), || gl.frustum(l, r, b, t, n, f));
     "glOrtho" ortho(l: f64, r: f64, b: f64, t: f64, n: f64, f: f64) = |ctx, gl|
@@ -130,21 +128,4 @@ hooks! {
         matrix_command(ctx, Command::Translate([x, y, z]), || gl.translated(x, y, z));
     "glPushMatrix" push_matrix() = |ctx, gl| matrix_command(ctx, Command::PushMatrix, || gl.push_matrix());
     "glPopMatrix" pop_matrix() = |ctx, gl| matrix_command(ctx, Command::PopMatrix, || gl.pop_matrix());
-}
-
-#[cfg(test)]
-mod tests {
-    use super::transposed;
-    use crate::intercept::gl::state::compat::projection::multiply;
-
-    #[test]
-    fn products_are_column_by_column() {
-        let a: [f64; 16] = std::array::from_fn(|i| i as f64);
-        let identity: [f64; 16] = std::array::from_fn(|i| f64::from(u8::from(i % 5 == 0)));
-        assert_eq!(multiply(&a, &identity), a);
-        assert_eq!(multiply(&identity, &a), a);
-        // (A B)ᵀ = Bᵀ Aᵀ shows the order of the factors.
-        let b: [f64; 16] = std::array::from_fn(|i| (i * i) as f64);
-        assert_eq!(transposed(multiply(&a, &b)), multiply(&transposed(b), &transposed(a)));
-    }
 }

@@ -24,6 +24,7 @@ use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::scene::query_scaling::QueryScaling;
+use glam::{DMat4, DVec4};
 use std::ffi::c_void;
 
 /// `glRasterPos`.
@@ -33,11 +34,11 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
     if ctx.redirected() && !ctx.app.picking() {
         let class = classify(ctx);
         if class == DrawClass::FixedScene {
-            let mut model_view = [0.0; 16];
+            let mut model_view = DMat4::ZERO;
             let mut depths = [0.0; 2];
             // SAFETY: writes eighteen doubles; a raster position implies a fixed-function pipeline.
             let texture = unsafe {
-                gl.get_doublev(api::GL_MODELVIEW_MATRIX, model_view.as_mut_ptr());
+                gl.get_doublev(api::GL_MODELVIEW_MATRIX, model_view.as_mut().as_mut_ptr());
                 gl.get_doublev(api::GL_DEPTH_RANGE, depths.as_mut_ptr());
                 TextureCoordinates::of(gl)
             };
@@ -84,8 +85,7 @@ fn taken_color(driver: &Driver, app: &AppState, compat: &Compat, object: [f64; 4
         }
         gl.push_attrib(api::GL_CURRENT_BIT);
         // This matrix moves every position to the middle of the picture.
-        let mut middle = [0.0; 16];
-        middle[15] = 1.0;
+        let middle = DMat4::from_diagonal(DVec4::W);
         projection::load(driver.gl, app.matrix_mode(), &middle);
         gl.raster_pos4d(object[0], object[1], object[2], object[3]);
         if is_valid(gl) {

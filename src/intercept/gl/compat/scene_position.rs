@@ -32,7 +32,7 @@ impl<'a> PlacedPosition<'a> {
             }
             gl.matrix_mode(api::GL_MODELVIEW);
             gl.push_matrix();
-            gl.load_matrixd(position.model_view.as_ptr());
+            gl.load_matrixd(position.model_view.as_ref().as_ptr());
             gl.matrix_mode(mode);
         }
         Self { gl, position, present: Present::of(gl), mode, keeps }

@@ -7,6 +7,7 @@ use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::driver::Driver;
 use crate::lock::Lock;
+use glam::DMat4;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -16,8 +17,8 @@ use std::sync::Arc;
 pub enum Command {
     MatrixMode(u32),
     LoadIdentity,
-    LoadMatrix([f64; 16]),
-    MultMatrix([f64; 16]),
+    LoadMatrix(DMat4),
+    MultMatrix(DMat4),
     Frustum([f64; 6]),
     Ortho([f64; 6]),
     Rotate([f64; 4]),

@@ -157,10 +157,12 @@ fn look_for_a_scene(ctx: &mut Context) {
     if let Some(session) = ctx.drawable.session() {
         let (counts, has_scene) = (ctx.frame.counts(), ctx.frame.shows_scene());
         let (draws, missing) = (counts.draws_seen, counts.missing);
-        flat_program.look(draws, has_scene, session, &missing, || frame_statistics::off_screen(ctx));
+        let text = flat_program.look(draws, has_scene, session, &missing, || frame_statistics::off_screen(ctx));
+        text.into_iter().for_each(log::once);
     }
     if let Some(session) = ctx.drawable.session() {
-        culling_program.look(ctx.frame.counts().places, ctx.frame.lens().as_ref(), session);
+        let text = culling_program.look(ctx.frame.counts().places, ctx.frame.lens().as_ref(), session);
+        text.iter().for_each(|text| log::once(text));
         small_window.look(session);
     }
     ctx.frame.put_program_checks((flat_program, culling_program, small_window));

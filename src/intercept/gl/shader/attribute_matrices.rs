@@ -10,6 +10,7 @@ use crate::intercept::gl::state::shader::position_names::PositionNames;
 use crate::intercept::gl::state::vertex_input::vertex_ranges::Layout;
 use crate::intercept::gl::vertex_input::{buffers, ranges, vertex_arrays};
 use crate::intercept::scene::lens::{self, Candidate, Told, rank};
+use glam::{DMat4, Mat4};
 use std::ffi::{CStr, c_char};
 
 /// Result of the search for a lens in the attributes of a program.
@@ -43,7 +44,7 @@ pub fn of_program(gl: &Gl, program: u32, position: Option<&PositionNames>) -> Ve
         else {
             continue;
         };
-        found.push(AttributeMatrix { location, rank: rank(&name), value: [0.0; 16], read: None });
+        found.push(AttributeMatrix { location, rank: rank(&name), value: DMat4::ZERO, read: None });
     }
     found
 }
@@ -69,12 +70,12 @@ fn read(ctx: &mut Context, matrix: &mut AttributeMatrix) -> Option<()> {
         if matrix.location == 0 && profile.compatibility() {
             return None;
         }
-        let mut value = [0f32; 16];
-        for (location, column) in (matrix.location..).zip(value.chunks_mut(4)) {
+        let mut value = Mat4::ZERO;
+        for (location, column) in (matrix.location..).zip(value.as_mut().chunks_mut(4)) {
             // SAFETY: four floats; the locations are those of a matrix of a linked program.
             unsafe { gl.get_vertex_attribfv(location, api::GL_CURRENT_VERTEX_ATTRIB, column.as_mut_ptr()) };
         }
-        (matrix.value, matrix.read) = (value.map(f64::from), None);
+        (matrix.value, matrix.read) = (value.as_dmat4(), None);
         return Some(());
     }
     let instance = ctx.draw.first_instance() as usize;
@@ -90,7 +91,7 @@ fn read(ctx: &mut Context, matrix: &mut AttributeMatrix) -> Option<()> {
     if read.is_some() && matrix.read == read {
         return Some(());
     }
-    for (layout, column) in layouts.iter().zip(matrix.value.chunks_mut(4)) {
+    for (number, layout) in layouts.iter().enumerate() {
         let position = if layout.buffer == 0 {
             // SAFETY: the program promises OpenGL that its array holds what the draw reads.
             unsafe { layout.position(layout.start as *const u8) }
@@ -99,7 +100,7 @@ fn read(ctx: &mut Context, matrix: &mut AttributeMatrix) -> Option<()> {
             // SAFETY: `bytes` has the size of the vector.
             unsafe { layout.position(bytes.as_ptr()) }
         };
-        column.copy_from_slice(&position);
+        *matrix.value.col_mut(number) = position.into();
     }
     matrix.read = read;
     Some(())

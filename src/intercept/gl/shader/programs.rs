@@ -16,6 +16,7 @@ use crate::intercept::process::log;
 use crate::intercept::scene::lens::Told;
 use crate::lock::Lock;
 use crate::runtime::session::{MatrixClass, Session};
+use glam::Mat4;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -131,14 +132,14 @@ pub(super) fn set_vectors(driver: &Driver, shaders: &Shaders, program: &Program,
     }
 }
 
-/// Sets a 4×4 matrix in a uniform of Cupola, given by columns.
-pub(super) fn set_matrix(driver: &Driver, shaders: &Shaders, program: &Program, location: i32, matrix: &[f32; 16]) {
+/// Sets a 4×4 matrix in a uniform of Cupola.
+pub(super) fn set_matrix(driver: &Driver, shaders: &Shaders, program: &Program, location: i32, matrix: &Mat4) {
     // SAFETY: the location is that of the matrix; the rest as for `set_vectors`.
     unsafe {
         if shaders.used() == program.name {
-            driver.gl.uniform_matrix4fv(location, 1, 0, matrix.as_ptr());
+            driver.gl.uniform_matrix4fv(location, 1, 0, matrix.as_ref().as_ptr());
         } else {
-            driver.gl.program_uniform_matrix4fv(program.name, location, 1, 0, matrix.as_ptr());
+            driver.gl.program_uniform_matrix4fv(program.name, location, 1, 0, matrix.as_ref().as_ptr());
         }
     }
 }

@@ -10,6 +10,7 @@ use crate::intercept::gl::state::shader::uniforms::{
     Block, ChosenFrom, IndexLocation, Matrix, MatrixLocation, Uniforms,
 };
 use crate::intercept::scene::lens::{Order, rank};
+use glam::{DMat4, Mat4};
 use std::collections::BTreeSet;
 use std::ffi::{CStr, CString, c_char};
 use std::ops::Range;
@@ -192,7 +193,7 @@ impl Reader<'_> {
     /// Reads one matrix that begins at the element `first` and has this number of elements.
     fn matrix(&mut self, active: &Active<'_>, first: u32, elements: i32, order: Order, element: Option<(usize, u32)>) {
         let double = active.kind == api::GL_DOUBLE_MAT4;
-        let mut value = [0.0; 16];
+        let mut value = DMat4::ZERO;
         let place = match active.place {
             Place::Block { block, offset, between, stride, row_major } => {
                 let offset = offset + first as usize * between;
@@ -206,14 +207,14 @@ impl Reader<'_> {
                 // locations.
                 unsafe {
                     if double {
-                        self.gl.get_uniformdv(self.program, location, value.as_mut_ptr());
+                        self.gl.get_uniformdv(self.program, location, value.as_mut().as_mut_ptr());
                     } else {
-                        let mut single = [0f32; 16];
+                        let mut single = Mat4::ZERO;
                         let width = 16 / elements as usize;
-                        for (number, part) in single.chunks_mut(width).enumerate() {
+                        for (number, part) in single.as_mut().chunks_mut(width).enumerate() {
                             self.gl.get_uniformfv(self.program, location + number as i32, part.as_mut_ptr());
                         }
-                        value = single.map(f64::from);
+                        value = single.as_dmat4();
                     }
                 }
                 if elements > 1 { MatrixLocation::Vectors(location) } else { MatrixLocation::Uniform(location) }

@@ -1,7 +1,6 @@
 //! Matrices that shaders read: their locations and values.
 
 use crate::intercept::scene::flat_program::MissingLens;
-use crate::intercept::scene::lens;
 use crate::intercept::vk::spirv::{self, Matrix, Memory};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::pipelines::InstanceColumn;
@@ -10,9 +9,10 @@ use crate::intercept::vk::state::recording::bindings::BoundSet;
 use crate::intercept::vk::state::recording::draw_groups::{MatrixSource, MatrixValue};
 use crate::intercept::vk::state::recording::{GraphicsState, Recording};
 use ash::vk;
+use glam::{DMat4, Mat4};
 
 /// Reads a matrix from memory.
-pub fn matrix(device: &Device, source: &MatrixSource) -> Option<[f64; 16]> {
+pub fn matrix(device: &Device, source: &MatrixSource) -> Option<DMat4> {
     let raw = match source.value {
         MatrixValue::Known(raw) => raw,
         MatrixValue::Buffer(buffer, offset) => from_buffer(device, buffer, offset, source.matrix.stride)?,
@@ -25,27 +25,28 @@ pub fn matrix(device: &Device, source: &MatrixSource) -> Option<[f64; 16]> {
             from_buffer(device, buffer, start.checked_add(offset)?, source.matrix.stride)?
         }
     };
-    let value = raw.map(f64::from);
-    Some(if source.matrix.row_major { lens::transposed(&value) } else { value })
+    let value = raw.as_dmat4();
+    Some(if source.matrix.row_major { value.transpose() } else { value })
 }
 
 /// Reads a matrix from a buffer.
-fn from_buffer(device: &Device, buffer: vk::Buffer, offset: u64, stride: u32) -> Option<[f32; 16]> {
+fn from_buffer(device: &Device, buffer: vk::Buffer, offset: u64, stride: u32) -> Option<Mat4> {
     let stride = stride as usize;
     let mut bytes = [0; 256];
     let bytes = bytes.get_mut(..3 * stride + 16)?;
     device.host_memory.read(buffer, offset, bytes).then(|| from_bytes(bytes, stride))?
 }
 
-/// Reads sixteen floats in four groups of four, with a distance of `stride` bytes between the
-/// groups.
-pub fn from_bytes(bytes: &[u8], stride: usize) -> Option<[f32; 16]> {
-    let mut raw = [0.0; 16];
-    for (i, value) in raw.iter_mut().enumerate() {
-        let at = i / 4 * stride + i % 4 * 4;
-        *value = f32::from_ne_bytes(bytes.get(at..at + 4)?.try_into().ok()?);
+/// Reads a matrix whose columns have a distance of `stride` bytes.
+pub fn from_bytes(bytes: &[u8], stride: usize) -> Option<Mat4> {
+    let mut columns = [[0.0; 4]; 4];
+    for (number, column) in columns.iter_mut().enumerate() {
+        for (row, entry) in column.iter_mut().enumerate() {
+            let at = number * stride + row * size_of::<f32>();
+            *entry = f32::from_ne_bytes(bytes.get(at..at + size_of::<f32>())?.try_into().ok()?);
+        }
     }
-    Some(raw)
+    Some(Mat4::from_cols_array_2d(&columns))
 }
 
 /// Returns the matrices that the stages before rasterisation read, and the reason why there is no
@@ -149,7 +150,7 @@ mod tests {
     fn numbers_are_read_by_their_stride() {
         let mut bytes = vec![0; 3 * 32 + 16];
         bytes[2 * 32 + 4..2 * 32 + 8].copy_from_slice(&7f32.to_ne_bytes());
-        assert_eq!(from_bytes(&bytes, 32).map(|m| m[9]), Some(7.0));
+        assert_eq!(from_bytes(&bytes, 32).map(|m| m.z_axis.y), Some(7.0));
         assert_eq!(from_bytes(&bytes[..90], 32), None);
     }
 }

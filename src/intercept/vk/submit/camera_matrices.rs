@@ -11,6 +11,7 @@ use crate::intercept::vk::state::recording::draw_groups::{
 };
 use crate::intercept::vk::state::views::view_constants::ConstantChunk;
 use crate::runtime::session::{Direction, Intrinsics};
+use glam::DMat4;
 
 impl CameraFunctions {
     /// True if a matrix, or its inverse in the shader, leads from clip coordinates.
@@ -36,7 +37,7 @@ pub fn look(device: &Device, group: &mut DrawGroup, frame: &Frame) -> bool {
     let CameraFunctions { seen, functions, eye } = &mut group.cameras;
     let values = &seen.insert(now).0;
     let cameras = &group.facts.cameras;
-    let function = |(value, camera): (&Option<[f64; 16]>, &CameraSource)| {
+    let function = |(value, camera): (&Option<DMat4>, &CameraSource)| {
         value.and_then(|value| frame.cameras.function_of(&value, camera.inverted))
     };
     *functions = values.iter().zip(cameras).map(function).collect();
@@ -90,7 +91,7 @@ pub(in crate::intercept::vk) fn write(
                         (None, Some((eye, turn))) => eye.views[index]?.turned(&value, eye.transposed, *turn),
                         (None, None) => return None,
                     };
-                    Some(single::values(made))
+                    Some(single::matrix4(&made))
                 })
                 .collect();
             let place = group.constants.slot(slot) + device.view_constants.cameras_offset() + behind;

@@ -7,7 +7,7 @@
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::correct::single;
 use crate::intercept::inspection;
-use crate::intercept::process::call_sum;
+use crate::intercept::process::{call_sum, log};
 use crate::intercept::scene::flat_program::OffScreen;
 use crate::intercept::scene::lens::{self, Candidate, Told};
 use crate::intercept::scene::to_window::ToWindow;
@@ -38,7 +38,9 @@ impl Frame {
     pub fn end(&mut self, in_views: bool, off_screen: impl FnOnce() -> OffScreen) {
         if let Some(layout) = self.layout.as_ref().filter(|_| in_views) {
             let has_scene = !self.counts.found.is_empty() || self.counts.duplicated > 0;
-            self.flat_program.look(self.counts.seen, has_scene, &layout.session, &self.counts.missing, off_screen);
+            let counts = &self.counts;
+            let text = self.flat_program.look(counts.seen, has_scene, &layout.session, &counts.missing, off_screen);
+            text.into_iter().for_each(log::once);
             self.small_window.look(&layout.session);
         }
         self.order.end_frame();
@@ -223,7 +225,7 @@ fn sum_up(group: &DrawGroup) {
     if call_sum::is_on() {
         call_sum::add(group.draws);
         for (_, matrix) in &group.matrices {
-            matrix.iter().for_each(|value| call_sum::add(value.to_bits()));
+            matrix.to_cols_array().iter().for_each(|value| call_sum::add(value.to_bits()));
         }
     }
 }

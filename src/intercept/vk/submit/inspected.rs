@@ -4,6 +4,7 @@ use crate::intercept::inspection::{self, DrawNote, MatrixNote};
 use crate::intercept::scene::lens::Candidate;
 use crate::intercept::vk::spirv::{Matrix, Memory};
 use crate::intercept::vk::state::recording::draw_groups::{DrawClass, DrawGroup, MatrixSource};
+use glam::DMat4;
 
 /// Describes the draws of a group. `how`: how the lens was found; `in_views`: the draws are issued
 /// to views; `value` reads a matrix, if that is possible.
@@ -12,7 +13,7 @@ pub(in crate::intercept::vk) fn note(
     class: DrawClass,
     how: Option<&'static str>,
     in_views: bool,
-    value: impl Fn(&MatrixSource) -> Option<[f64; 16]>,
+    value: impl Fn(&MatrixSource) -> Option<DMat4>,
 ) {
     let facts = &group.facts;
     let (width, height) = group.layout.window;

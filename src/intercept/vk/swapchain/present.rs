@@ -2,12 +2,12 @@
 
 use crate::correct::PixelRect;
 use crate::error::{Error, ErrorKind, Result};
+use crate::intercept::inspection::common_statistics;
 use crate::intercept::inspection::last_frame::{self, LastFrame};
 use crate::intercept::process::clock;
 use crate::intercept::process::ending;
 use crate::intercept::process::settings::Settings;
 use crate::intercept::process::{live, log, nodes, publishing, settings};
-use crate::intercept::scene::common_statistics;
 use crate::intercept::scene::flat_program::OffScreen;
 use crate::intercept::vk::state::device;
 use crate::intercept::vk::state::device::Device;

@@ -1,6 +1,7 @@
 //! Boxes around vertices, and tests whether a view can show any point of a box.
 
 use crate::intercept::gl::per_view::culling::position::{Transform, View};
+use glam::{DVec2, DVec3, DVec4};
 
 /// Greatest rounding error of the driver's products of 32-bit numbers, divided by the sum of the
 /// terms' absolute values: five roundings of 2⁻²⁴ for each of up to ten matrices, times more than
@@ -10,123 +11,118 @@ const ROUNDING: f64 = 1e-5;
 /// Box after a product of matrices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlacedBox {
-    middle: [f64; 4],
+    middle: DVec4,
     /// Half of each edge.
-    edges: [[f64; 4]; 3],
+    edges: [DVec4; 3],
     /// Greatest sums of the terms' absolute values.
-    sizes: [f64; 4],
+    sizes: DVec4,
 }
 
 impl PlacedBox {
     /// Returns the box `low`…`high` after a transformation.
-    pub fn of(Transform { matrix, sizes }: &Transform, low: [f64; 3], high: [f64; 3]) -> Self {
-        let column = |m: &[f64; 16], column: usize| -> [f64; 4] { std::array::from_fn(|row| m[4 * column + row]) };
-        let mut placed = Self { middle: column(matrix, 3), edges: [[0.0; 4]; 3], sizes: column(sizes, 3) };
-        for k in 0..3 {
-            let (middle, half) = (0.5 * (low[k] + high[k]), 0.5 * (high[k] - low[k]));
-            let farthest = low[k].abs().max(high[k].abs());
-            let (factors, sizes) = (column(matrix, k), column(sizes, k));
-            for row in 0..4 {
-                placed.middle[row] += factors[row] * middle;
-                placed.edges[k][row] = factors[row] * half;
-                placed.sizes[row] += sizes[row] * farthest;
-            }
+    pub fn of(Transform { matrix, sizes }: &Transform, low: DVec3, high: DVec3) -> Self {
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let farthest = low.abs().max(high.abs());
+        Self {
+            middle: *matrix * middle.extend(1.0),
+            edges: [matrix.x_axis * half.x, matrix.y_axis * half.y, matrix.z_axis * half.z],
+            sizes: *sizes * farthest.extend(1.0),
         }
-        placed
     }
 
     /// Returns the least value of a linear form over the box, and the greatest error of 32-bit
     /// numbers.
-    fn least(&self, form: &[f64; 4], form_sizes: &[f64; 4]) -> (f64, f64) {
-        let reach: f64 = self.edges.iter().map(|edge| product(form, edge).abs()).sum();
-        (product(form, &self.middle) - reach, ROUNDING * product(form_sizes, &self.sizes))
+    fn least(&self, form: DVec4, form_sizes: DVec4) -> (f64, f64) {
+        let reach: f64 = self.edges.iter().map(|edge| form.dot(*edge).abs()).sum();
+        (form.dot(self.middle) - reach, ROUNDING * form_sizes.dot(self.sizes))
     }
 }
 
-fn product(a: &[f64; 4], b: &[f64; 4]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + (a[2] * b[2] + a[3] * b[3])
+/// Part of a picture; the whole picture is −1…1 in both directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PicturePart {
+    /// Left and bottom.
+    pub low: DVec2,
+    /// Right and top.
+    pub high: DVec2,
+}
+
+impl PicturePart {
+    /// The whole picture.
+    pub const ALL: Self = Self { low: DVec2::NEG_ONE, high: DVec2::ONE };
+
+    /// True if the part lies in the picture.
+    pub fn is_inside(&self) -> bool {
+        self.low.cmpge(Self::ALL.low).all() && self.high.cmple(Self::ALL.high).all()
+    }
 }
 
 /// Returns true if no point of the box is in the picture of a `view` or within `beside` of it (in
 /// units of half the picture's width and height).
-/// half the picture's width and height).
 ///
 /// The box is outside if all of it is beyond one of the four planes `±x = (1 + beside)·w`. The
 /// planes are linear, so this holds for points behind the eye as well. Near and far planes do not
 /// count, as the program may have switched off their clipping. Returns false in all cases of doubt,
 /// such as numbers that are not finite.
-pub fn outside(view: &View, placed: &PlacedBox, beside: [f64; 2]) -> bool {
-    (0..2).any(|axis| {
-        let out = 1.0 + beside[axis];
-        let sizes = std::array::from_fn(|k| view.sizes[axis][k] + out * view.sizes[2][k]);
+pub fn outside(view: &View, placed: &PlacedBox, beside: DVec2) -> bool {
+    let ([x, y, w], [x_sizes, y_sizes, w_sizes]) = (view.rows, view.sizes);
+    [(x, x_sizes, beside.x), (y, y_sizes, beside.y)].into_iter().any(|(row, sizes, beside)| {
+        let out = 1.0 + beside;
         [1.0, -1.0].into_iter().any(|sign| {
-            let form = std::array::from_fn(|k| sign * view.rows[axis][k] - out * view.rows[2][k]);
-            let (least, error) = placed.least(&form, &sizes);
+            let (least, error) = placed.least(sign * row - out * w, sizes + out * w_sizes);
             least > error
         })
     })
 }
 
-/// Returns the part of the picture of a `view` that contains the visible points of the box (left,
-/// bottom, right, top; the picture is −1…1). `None`: the box reaches behind the eye, so it may be
-/// visible anywhere.
-pub fn extent(view: &View, placed: &PlacedBox) -> Option<[f64; 4]> {
-    let error: [f64; 3] = std::array::from_fn(|row| ROUNDING * product(&view.sizes[row], &placed.sizes));
-    let middle: [f64; 3] = std::array::from_fn(|row| product(&view.rows[row], &placed.middle));
-    let edges: [[f64; 3]; 3] =
-        std::array::from_fn(|row| std::array::from_fn(|k| product(&view.rows[row], &placed.edges[k])));
-    let mut part = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
+/// Returns the part of the picture of a `view` that contains the visible points of the box. `None`:
+/// the box reaches behind the eye, so it may be visible anywhere.
+pub fn extent(view: &View, placed: &PlacedBox) -> Option<PicturePart> {
+    // x, y and w of clip coordinates.
+    let clip = |point: DVec4| DVec3::from(view.rows.map(|row| row.dot(point)));
+    let [x_error, y_error, w_error] = view.sizes.map(|sizes| ROUNDING * sizes.dot(placed.sizes));
+    let (middle, edges) = (clip(placed.middle), placed.edges.map(clip));
+    let mut part = PicturePart { low: DVec2::INFINITY, high: DVec2::NEG_INFINITY };
     for corner in 0..8 {
-        let along = |row: usize| {
-            (0..3).fold(
-                middle[row],
-                |sum, k| if corner >> k & 1 == 0 { sum - edges[row][k] } else { sum + edges[row][k] },
-            )
-        };
-        let w = along(2) - error[2];
+        let sign = |edge: usize| if corner >> edge & 1 == 0 { -1.0 } else { 1.0 };
+        let [x, y, w] = (middle + sign(0) * edges[0] + sign(1) * edges[1] + sign(2) * edges[2]).to_array();
+        let (place, w) = (DVec2::new(x, y), w - w_error);
         // Nearer to the eye the errors have no useful limit.
-        if w.is_nan() || w <= 4.0 * error[2] {
+        if w.is_nan() || w <= 4.0 * w_error {
             return None;
         }
-        for axis in 0..2 {
-            let at = along(axis) / w;
-            let off = (error[axis] + 2.0 * at.abs() * error[2]) / w;
-            if !at.is_finite() {
-                return None;
-            }
-            // The least w gives a point too far outward, the greatest w one too far inward.
-            let inner = along(axis) / (w + 2.0 * error[2]);
-            part[axis] = part[axis].min(at.min(inner) - off);
-            part[axis + 2] = part[axis + 2].max(at.max(inner) + off);
+        let at = place / w;
+        if !at.is_finite() {
+            return None;
         }
+        let off = (DVec2::new(x_error, y_error) + 2.0 * at.abs() * w_error) / w;
+        // The least w gives a point too far outward, the greatest w one too far inward.
+        let inner = place / (w + 2.0 * w_error);
+        part.low = part.low.min(at.min(inner) - off);
+        part.high = part.high.max(at.max(inner) + off);
     }
     Some(part)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{PlacedBox, Transform, View};
+    use super::{PicturePart, PlacedBox, Transform, View};
     use crate::intercept::gl::state::draw::bounds::Bounds;
     use crate::testing::random::Random;
+    use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
     /// Does the same as the function under test, for a projection after a model-view matrix.
-    fn outside(
-        projection: &[f64; 16],
-        model_view: &[f64; 16],
-        low: [f64; 3],
-        high: [f64; 3],
-        beside: [f64; 2],
-    ) -> bool {
+    fn outside(projection: &DMat4, model_view: &DMat4, low: DVec3, high: DVec3, beside: DVec2) -> bool {
         super::outside(&View::of(projection), &PlacedBox::of(&Transform::of(model_view), low, high), beside)
     }
 
-    fn extent(low: [f64; 3], high: [f64; 3]) -> Option<[f64; 4]> {
-        super::extent(&View::of(&RIGHT_ANGLE), &PlacedBox::of(&Transform::of(&IDENTITY), low, high))
+    fn extent(low: DVec3, high: DVec3) -> Option<PicturePart> {
+        super::extent(&View::of(&RIGHT_ANGLE), &PlacedBox::of(&Transform::of(&DMat4::IDENTITY), low, high))
     }
 
-    const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     /// Field of view of 90° in both directions, looking along −z.
-    const RIGHT_ANGLE: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, -1.0, 0.0, 0.0, -0.2, 0.0];
+    const RIGHT_ANGLE: DMat4 =
+        DMat4::from_cols(DVec4::X, DVec4::Y, DVec4::new(0.0, 0.0, -1.0, -1.0), DVec4::new(0.0, 0.0, -0.2, 0.0));
 
     /// Returns a source of random numbers in −1…1, the same in every run.
     fn numbers() -> impl FnMut() -> f64 {
@@ -136,7 +132,9 @@ mod tests {
 
     #[test]
     fn boxes_beside_and_behind_are_outside_and_those_ahead_are_not() {
-        let gone = |low, high| outside(&RIGHT_ANGLE, &IDENTITY, low, high, [0.0; 2]);
+        let gone = |low: [f64; 3], high: [f64; 3]| {
+            outside(&RIGHT_ANGLE, &DMat4::IDENTITY, low.into(), high.into(), DVec2::ZERO)
+        };
         assert!(!gone([-1.0, -1.0, -3.0], [1.0, 1.0, -2.0]));
         assert!(gone([-1.0, -1.0, 2.0], [1.0, 1.0, 3.0]));
         assert!(gone([9.0, -1.0, -3.0], [10.0, 1.0, -2.0]));
@@ -147,9 +145,10 @@ mod tests {
 
     #[test]
     fn spread_keeps_what_touches_the_picture_from_beside() {
-        let gone = |beside| outside(&RIGHT_ANGLE, &IDENTITY, [2.1, 0.0, -2.0], [2.2, 0.0, -2.0], beside);
-        assert!(gone([0.0; 2]));
-        assert!(!gone([0.1, 0.0]));
+        let (low, high) = (DVec3::new(2.1, 0.0, -2.0), DVec3::new(2.2, 0.0, -2.0));
+        let gone = |beside| outside(&RIGHT_ANGLE, &DMat4::IDENTITY, low, high, beside);
+        assert!(gone(DVec2::ZERO));
+        assert!(!gone(DVec2::new(0.1, 0.0)));
     }
 
     /// The computed part contains all of the box, and is not much larger.
@@ -158,25 +157,24 @@ mod tests {
         let mut number = numbers();
         let mut found = 0;
         for _ in 0..5_000 {
-            let low: [f64; 3] = std::array::from_fn(|k| 4.0 * number() - if k == 2 { 6.0 } else { 0.0 });
+            let low = 4.0 * DVec3::new(number(), number(), number()) - 6.0 * DVec3::Z;
             let high = low.map(|v| v + 1.0 + number());
             let Some(part) = extent(low, high) else {
-                assert!(high[2] > -0.1, "{low:?} {high:?} is ahead");
+                assert!(high.z > -0.1, "{low} {high} is ahead");
                 continue;
             };
             found += 1;
             for _ in 0..20 {
-                let point: [f64; 3] = std::array::from_fn(|k| low[k] + (high[k] - low[k]) * 0.5 * (1.0 + number()));
-                for axis in 0..2 {
-                    let at = point[axis] / -point[2];
-                    assert!(part[axis] <= at && at <= part[axis + 2], "{point:?} is not in {part:?}");
-                }
+                let point = low + (high - low) * 0.5 * (1.0 + DVec3::new(number(), number(), number()));
+                let at = point.truncate() / -point.z;
+                assert!(part.low.cmple(at).all() && at.cmple(part.high).all(), "{point} is not in {part:?}");
             }
         }
         assert!(found > 3_000, "{found}");
-        let part = extent([-1.0, -2.0, -4.0], [1.0, 2.0, -2.0]).expect("ahead");
-        let expected = [-0.5, -1.0, 0.5, 1.0];
-        assert!(part.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{part:?}");
+        let part = extent(DVec3::new(-1.0, -2.0, -4.0), DVec3::new(1.0, 2.0, -2.0)).expect("ahead");
+        let near = |a: DVec2, b: DVec2| a.abs_diff_eq(b, 1e-3);
+        assert!(near(part.low, DVec2::new(-0.5, -1.0)) && near(part.high, DVec2::new(0.5, 1.0)), "{part:?}");
+        assert!(!part.is_inside() && PicturePart::ALL.is_inside());
     }
 
     /// No vertex of a box that is left out is in the picture. Some boxes are left out.
@@ -185,25 +183,21 @@ mod tests {
         let mut number = numbers();
         let mut left_out = 0;
         for _ in 0..20_000 {
-            let model_view: [f64; 16] =
-                std::array::from_fn(|i| if i % 4 == 3 { f64::from(u8::from(i == 15)) } else { 3.0 * number() });
-            let corner: [f64; 3] = std::array::from_fn(|_| 2.0 * number());
+            let mut point = || DVec3::new(number(), number(), number());
+            let turn = DMat3::from_cols(point(), point(), point()) * 3.0;
+            let model_view = DMat4::from_mat3_translation(turn, 3.0 * point());
+            let corner = 2.0 * point();
             let mut bounds = Bounds::EMPTY;
-            let points: Vec<[f64; 4]> = (0..8)
-                .map(|_| [corner[0] + 0.5 * number(), corner[1] + 0.5 * number(), corner[2] + 0.5 * number(), 1.0])
-                .collect();
-            points.iter().for_each(|p| bounds.add(*p));
+            let points: Vec<DVec4> = (0..8).map(|_| (corner + 0.5 * point()).extend(1.0)).collect();
+            points.iter().for_each(|p| bounds.add(p.to_array()));
             let (low, high) = bounds.known().expect("finite points");
-            if !outside(&RIGHT_ANGLE, &model_view, low, high, [0.0; 2]) {
+            if !outside(&RIGHT_ANGLE, &model_view, low, high, DVec2::ZERO) {
                 continue;
             }
             left_out += 1;
             for p in points {
-                let apply = |m: &[f64; 16], v: [f64; 4]| -> [f64; 4] {
-                    std::array::from_fn(|row| (0..4).map(|k| m[4 * k + row] * v[k]).sum())
-                };
-                let [x, y, _, w] = apply(&RIGHT_ANGLE, apply(&model_view, p));
-                assert!(w < 0.0 || x.abs() > w || y.abs() > w, "{p:?} is in the picture");
+                let DVec4 { x, y, w, .. } = RIGHT_ANGLE * (model_view * p);
+                assert!(w < 0.0 || x.abs() > w || y.abs() > w, "{p} is in the picture");
             }
         }
         assert!(left_out > 5_000, "{left_out}");
@@ -214,7 +208,7 @@ mod tests {
         let mut bounds = Bounds::EMPTY;
         assert_eq!(bounds.known(), None);
         bounds.add([1.0, 2.0, 3.0, 1.0]);
-        assert_eq!(bounds.known(), Some(([1.0, 2.0, 3.0], [1.0, 2.0, 3.0])));
+        assert_eq!(bounds.known(), Some((DVec3::new(1.0, 2.0, 3.0), DVec3::new(1.0, 2.0, 3.0))));
         let mut other = bounds;
         other.add([1.0, 2.0, 3.0, 0.5]);
         assert_eq!(other.known(), None);
@@ -225,6 +219,6 @@ mod tests {
         assert_eq!(joined.known(), None);
         bounds.add([f64::NAN, 0.0, 0.0, 1.0]);
         assert_eq!(bounds.known(), None);
-        assert!(!outside(&[f64::NAN; 16], &IDENTITY, [0.0; 3], [1.0; 3], [0.0; 2]));
+        assert!(!outside(&DMat4::NAN, &DMat4::IDENTITY, DVec3::ZERO, DVec3::ONE, DVec2::ZERO));
     }
 }

@@ -5,7 +5,6 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::compat::Compat;
-use crate::intercept::gl::state::compat::projection::multiply;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::driver::Driver;
@@ -14,30 +13,28 @@ use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::programs::{Array, Factor, Position, Program};
 use crate::intercept::gl::vertex_input::buffers;
 use crate::lock::Lock;
+use glam::{DMat4, DVec4};
 
-/// Product of matrices, in columns.
+/// Product of matrices.
 #[derive(Clone, Copy, Debug)]
 pub struct Transform {
     /// The product.
-    pub matrix: [f64; 16],
+    pub matrix: DMat4,
     /// Product of the entries' absolute values, which limits the error of 32-bit numbers.
-    pub sizes: [f64; 16],
+    pub sizes: DMat4,
 }
 
 impl Transform {
-    const NONE: Self = {
-        let matrix = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-        Self { matrix, sizes: matrix }
-    };
+    const NONE: Self = Self { matrix: DMat4::IDENTITY, sizes: DMat4::IDENTITY };
 
     /// Returns the transformation by one matrix.
-    pub fn of(matrix: &[f64; 16]) -> Self {
-        Self { matrix: *matrix, sizes: matrix.map(f64::abs) }
+    pub fn of(matrix: &DMat4) -> Self {
+        Self { matrix: *matrix, sizes: matrix.abs() }
     }
 
     /// Returns the transformation by `first` and then `self`.
     pub fn after(&self, first: &Self) -> Self {
-        Self { matrix: multiply(&self.matrix, &first.matrix), sizes: multiply(&self.sizes, &first.sizes) }
+        Self { matrix: self.matrix * first.matrix, sizes: self.sizes * first.sizes }
     }
 }
 
@@ -45,16 +42,16 @@ impl Transform {
 #[derive(Clone, Copy, Debug)]
 pub struct View {
     /// Rows of x, y and w.
-    pub rows: [[f64; 4]; 3],
+    pub rows: [DVec4; 3],
     /// Absolute values of the entries, as in [`Transform`].
-    pub sizes: [[f64; 4]; 3],
+    pub sizes: [DVec4; 3],
 }
 
 impl View {
-    /// Returns the transformation by a matrix in columns.
-    pub fn of(matrix: &[f64; 16]) -> Self {
-        let rows = [0, 1, 3].map(|row| std::array::from_fn(|column| matrix[4 * column + row]));
-        Self { rows, sizes: rows.map(|row: [f64; 4]| row.map(f64::abs)) }
+    /// Returns the transformation by a matrix.
+    pub fn of(matrix: &DMat4) -> Self {
+        let rows = [0, 1, 3].map(|row| matrix.row(row));
+        Self { rows, sizes: rows.map(DVec4::abs) }
     }
 
     /// Returns the transformation that a patched shader applies with this reprojection matrix
@@ -63,8 +60,8 @@ impl View {
         let e = f64::from(matrix.depth.pole);
         let rows = [matrix.x, matrix.y, matrix.w].map(|row| row.map(f64::from));
         Self {
-            rows: rows.map(|[x, y, w, q]| [x, y, q, w + q * e]),
-            sizes: rows.map(|[x, y, w, q]| [x.abs(), y.abs(), q.abs(), w.abs() + (q * e).abs()]),
+            rows: rows.map(|[x, y, w, q]| DVec4::new(x, y, q, w + q * e)),
+            sizes: rows.map(|[x, y, w, q]| DVec4::new(x.abs(), y.abs(), q.abs(), w.abs() + (q * e).abs())),
         }
     }
 }
@@ -148,19 +145,20 @@ pub fn of_own_picture(compat: &Compat, class: DrawClass) -> Option<View> {
 mod tests {
     use super::View;
     use crate::correct::projected::matrices::ReprojectionMatrix;
+    use glam::DVec4;
 
     /// Compares the rows with the epilogue of patched shaders, step by step.
     #[test]
     fn rows_become_those_that_shaders_apply() {
-        let rows: [f32; 16] = std::array::from_fn(|i| ((i * 7 + 3) % 11) as f32 - 5.0);
-        let view = View::of_reprojection(&ReprojectionMatrix::from_array(rows));
-        let [x, y, z, w] = [0.3, -1.7, 2.2, 5.0];
-        let q = z + f64::from(rows[12]) * w;
-        for (index, [a, b, c, d]) in view.rows.into_iter().enumerate() {
-            let r: [f64; 4] = std::array::from_fn(|k| rows[4 * index + k].into());
-            let expected = r[0] * x + r[1] * y + r[2] * w + r[3] * q;
-            assert!((a * x + b * y + c * z + d * w - expected).abs() < 1e-12);
+        let numbers = std::array::from_fn(|i| ((i * 7 + 3) % 11) as f32 - 5.0);
+        let matrix = ReprojectionMatrix::from_array(numbers);
+        let view = View::of_reprojection(&matrix);
+        let clip = DVec4::new(0.3, -1.7, 2.2, 5.0);
+        let q = clip.z + f64::from(matrix.depth.pole) * clip.w;
+        for (found, row) in view.rows.into_iter().zip([matrix.x, matrix.y, matrix.w]) {
+            let expected = DVec4::from(row.map(f64::from)).dot(DVec4::new(clip.x, clip.y, clip.w, q));
+            assert!((found.dot(clip) - expected).abs() < 1e-12);
         }
-        assert!(view.sizes.as_flattened().iter().zip(view.rows.as_flattened()).all(|(size, m)| *size >= m.abs()));
+        assert!(view.sizes.into_iter().zip(view.rows).all(|(size, row)| size.cmpge(row.abs()).all()));
     }
 }

@@ -8,7 +8,7 @@
 
 use crate::correct::{LowerLeftRect, TexelSpan};
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::per_view::culling::bounds::{PlacedBox, extent, outside};
+use crate::intercept::gl::per_view::culling::bounds::{PicturePart, PlacedBox, extent, outside};
 use crate::intercept::gl::per_view::culling::position::{self, View};
 use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::compat::Compat;
@@ -17,6 +17,7 @@ use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::frame::Frame;
 use crate::runtime::session::Session;
+use glam::DVec2;
 
 /// True if the settings allow to leave out draws.
 pub fn enabled() -> bool {
@@ -49,7 +50,7 @@ pub fn views(
         areas.push(match part {
             _ if look.unseen => TexelSpan::NOTHING,
             Some(part) => texels(part, tile, known.spread),
-            None => texels([-1.0, -1.0, 1.0, 1.0], tile, known.spread),
+            None => texels(PicturePart::ALL, tile, known.spread),
         });
     }
     ctx.draw.put_areas(areas);
@@ -116,7 +117,7 @@ impl KnownDraw {
     fn look(&self, compat: &Compat, frame: &Frame, session: &Session, index: usize, size: [i32; 2]) -> ViewLook {
         let (_, own_lens) = session.tile(index);
         let view = position::of_view(compat, frame, self.class, index).filter(|_| !own_lens);
-        let beside = size.map(|pixels| 2.0 * self.spread / f64::from(pixels.max(1)));
+        let beside = DVec2::from(size.map(|pixels| 2.0 * self.spread / f64::from(pixels.max(1))));
         let unseen = view.as_ref().is_some_and(|view| outside(view, &self.placed, beside));
         ViewLook { view, unseen }
     }
@@ -128,16 +129,16 @@ fn note_place(frame: &mut Frame, compat: &Compat, class: DrawClass, placed: &Pla
         return;
     }
     let Some(own) = position::of_own_picture(compat, class) else { return };
-    if outside(&own, placed, [0.0; 2]) {
+    if outside(&own, placed, DVec2::ZERO) {
         frame.note_draw_beside();
-    } else if extent(&own, placed).is_some_and(|part| part.iter().any(|edge| edge.abs() > 1.0)) {
+    } else if extent(&own, placed).is_some_and(|part| !part.is_inside()) {
         frame.note_draw_at_border();
     }
 }
 
-/// Returns the texels of the atlas within `spread` of a part of a picture (left, bottom, right,
-/// top; −1…1). They lie in the tile, or so close to it that a wide line may reach them.
-fn texels([left, bottom, right, top]: [f64; 4], tile: LowerLeftRect, spread: f64) -> TexelSpan {
+/// Returns the texels of the atlas within `spread` of a part of a picture. They lie in the tile, or
+/// so close to it that a wide line may reach them.
+fn texels(part: PicturePart, tile: LowerLeftRect, spread: f64) -> TexelSpan {
     let along = |at: f64, start: i32, length: i32| {
         let length = f64::from(length);
         let inside = (0.5 * (1.0 + at) * length).clamp(0.0, length);
@@ -146,9 +147,9 @@ fn texels([left, bottom, right, top]: [f64; 4], tile: LowerLeftRect, spread: f64
     let across = |at: f64| along(at, tile.x, tile.width);
     let up = |at: f64| along(at, tile.y, tile.height);
     TexelSpan {
-        left: (across(left) - spread).floor() as i32,
-        bottom: (up(bottom) - spread).floor() as i32,
-        right: (across(right) + spread).ceil() as i32,
-        top: (up(top) + spread).ceil() as i32,
+        left: (across(part.low.x) - spread).floor() as i32,
+        bottom: (up(part.low.y) - spread).floor() as i32,
+        right: (across(part.high.x) + spread).ceil() as i32,
+        top: (up(part.high.y) + spread).ceil() as i32,
     }
 }

@@ -10,13 +10,12 @@ use crate::intercept::gl::projected_vertices::fixed_function::assembly::{self, T
 use crate::intercept::gl::projected_vertices::fixed_function::substitute;
 use crate::intercept::gl::projected_vertices::fixed_function::vertices::{Attribute, Vertices};
 use crate::intercept::gl::state::compat::Compat;
-use crate::intercept::gl::state::compat::projection;
 use crate::intercept::gl::state::draw::DrawState;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::projected_vertices::ProjectedVertices;
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::runtime::session::Division;
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 
 /// A draw for one view.
 struct Divided<'a> {
@@ -42,13 +41,11 @@ pub fn draw(
     division: Division,
     reprojection: &ReprojectionMatrix,
 ) {
-    let model_view = compat.projection.model_view(driver.gl);
-    let clip = projection::multiply(compat.projection.matrix(), &model_view);
+    let clip = *compat.projection.matrix() * compat.projection.model_view(driver.gl);
     let seen = (0..vertices.count())
         .map(|number| {
-            let [x, y, z, w] = vertices.vertex(number).first().map_or([0.0; 4], |position| position.map(f64::from));
-            let at = |row: usize| clip[row] * x + clip[4 + row] * y + clip[8 + row] * z + clip[12 + row] * w;
-            seen(reprojection, [at(0), at(1), at(2), at(3)])
+            let position = vertices.vertex(number).first().map_or([0.0; 4], |position| position.map(f64::from));
+            seen(reprojection, clip * DVec4::from(position))
         })
         .collect();
     let (flat, outlined) = (substitute::is_flat(projected), draw.may_outline());
@@ -78,7 +75,7 @@ pub fn whole(gl: &Gl, vertices: &Result<Vertices, Obstacle>) {
 
 /// Returns the point at which the viewer sees a vertex with these clip coordinates of the program:
 /// in lens axes and the program's units.
-fn seen(reprojection: &ReprojectionMatrix, [x, y, z, w]: [f64; 4]) -> DVec3 {
+fn seen(reprojection: &ReprojectionMatrix, DVec4 { x, y, z, w }: DVec4) -> DVec3 {
     let q = z + f64::from(reprojection.depth.pole) * w;
     let row = |row: [f32; 4]| {
         let [of_x, of_y, of_w, of_q] = row.map(f64::from);

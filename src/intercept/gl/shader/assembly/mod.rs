@@ -21,6 +21,7 @@ use crate::intercept::gl::state::shader::assembly::{AssemblyProgram, Parameter, 
 use crate::intercept::gl::state::shader::programs::{IDENTITY, ProgramLens};
 use crate::intercept::scene::lens::{self, Candidate};
 use crate::lock::Lock;
+use glam::Mat4;
 use std::ffi::c_void;
 use std::sync::{Arc, Mutex};
 
@@ -57,8 +58,8 @@ pub fn lens(driver: &Driver, program: &AssemblyProgram) -> ProgramLens {
     let mut values = program.values.locked();
     values.clear();
     for matrix in &program.matrices {
-        let mut value = [0f32; 16];
-        for (number, vector) in (0..).zip(value.chunks_mut(4)) {
+        let mut value = Mat4::ZERO;
+        for (number, vector) in (0..).zip(value.as_mut().chunks_mut(4)) {
             // SAFETY: four floats; the parameter is one that the program text names.
             unsafe {
                 match matrix.first {
@@ -71,7 +72,7 @@ pub fn lens(driver: &Driver, program: &AssemblyProgram) -> ProgramLens {
                 }
             }
         }
-        values.push(value.map(f64::from));
+        values.push(value.as_dmat4());
     }
     let candidates = program.matrices.iter().zip(values.iter());
     let candidates = candidates.map(|(matrix, value)| Candidate { rank: 0, value, order: matrix.order });

@@ -15,6 +15,7 @@ use crate::intercept::gl::state::vertex_input::VertexInput;
 use crate::intercept::gl::vertex_input::buffers;
 use crate::lock::Lock;
 use crate::runtime::session::{Intrinsics, eye_axes};
+use glam::{DMat4, Mat4};
 use std::sync::Arc;
 
 /// Returns the programs of the present vertex and fragment shaders, if they have such matrices.
@@ -84,7 +85,7 @@ pub fn load_view(ctx: &mut Context, view: usize, class: DrawClass) {
                     (None, Some(matrix), Some((turn, transposed))) => Some(matrix.turned(value, transposed, turn)),
                     _ => None,
                 };
-                matrix.map(single::values)
+                matrix.map(|matrix| single::matrix4(&matrix))
             });
             let known = &mut substitute.of_views.1;
             known.resize(known.len().max(view + 1), None);
@@ -95,7 +96,7 @@ pub fn load_view(ctx: &mut Context, view: usize, class: DrawClass) {
 }
 
 /// Returns the reprojection matrix of a view for a lens.
-fn reprojection(drawable: &Drawable, frame: &mut Frame, lens: &Intrinsics, view: usize) -> Option<[f64; 16]> {
+fn reprojection(drawable: &Drawable, frame: &mut Frame, lens: &Intrinsics, view: usize) -> Option<DMat4> {
     let session = drawable.session()?;
     let camera = frame.camera(lens, session);
     Some(frame.cameras().get(camera)?.reprojections.get(view)?.matrix())
@@ -112,7 +113,7 @@ pub fn load_own(ctx: &Context) {
 
 impl Substitute {
     /// Uses `matrix` instead of the program's matrix; `None`: uses the program's matrix again.
-    fn set(&mut self, ctx: &Context, program: &Program, matrix: Option<[f32; 16]>) {
+    fn set(&mut self, ctx: &Context, program: &Program, matrix: Option<Mat4>) {
         if let Some(matrix) = matrix.filter(|_| self.uploaded != matrix) {
             programs::set_matrix(&ctx.driver, &ctx.shaders, program, self.location, &matrix);
             self.uploaded = Some(matrix);

@@ -8,8 +8,8 @@ use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::shader::uniforms::MOST_NAMED;
 use crate::intercept::gl::state::shader::programs::Program;
 use crate::intercept::process::call_sum;
-use crate::intercept::scene::lens::transposed;
 use crate::lock::Lock;
+use glam::DMat4;
 
 /// Notes a matrix that the program sets.
 ///
@@ -32,8 +32,8 @@ unsafe fn note<T: Copy + Into<f64>>(
     let mut camera_matrices = program.has_camera_matrices.then(|| program.camera_matrices.locked());
     for element in 0..count.min(MOST_NAMED as i32) {
         // SAFETY: as promised above.
-        let matrix = std::array::from_fn(|i| unsafe { (*value.add(16 * element as usize + i)).into() });
-        let matrix = if transpose != 0 { transposed(&matrix) } else { matrix };
+        let numbers = std::array::from_fn(|i| unsafe { (*value.add(16 * element as usize + i)).into() });
+        let matrix = if transpose != 0 { DMat4::from_rows_array(&numbers) } else { DMat4::from_cols_array(&numbers) };
         uniforms.set(location.saturating_add(element), &matrix);
         if let Some(matrices) = &mut camera_matrices {
             matrices.uniforms.set(location.saturating_add(element), &matrix);

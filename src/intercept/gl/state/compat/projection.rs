@@ -3,29 +3,30 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::runtime::Session;
 use crate::runtime::session::{MatrixClass, classify};
+use glam::DMat4;
 
 /// The program's `GL_PROJECTION`, its class, and the projections of the views.
 pub struct Projection {
     /// True if the matrix may have changed since it was read.
     changed: bool,
-    /// The matrix as the program set it, column by column.
-    matrix: [f64; 16],
+    /// The matrix as the program set it.
+    matrix: DMat4,
     /// Class of the matrix.
     class: MatrixClass,
     /// Projection of each view, in the order of the views.
-    per_view: Vec<[f64; 16]>,
+    per_view: Vec<DMat4>,
     /// Value of `GL_MODELVIEW`; `None` if it may have changed since it was read.
-    model_view: Option<[f64; 16]>,
+    model_view: Option<DMat4>,
 }
 
 impl Default for Projection {
     fn default() -> Self {
-        Self { changed: true, matrix: [0.0; 16], class: MatrixClass::Other, per_view: Vec::new(), model_view: None }
+        Self { changed: true, matrix: DMat4::ZERO, class: MatrixClass::Other, per_view: Vec::new(), model_view: None }
     }
 }
 
 impl Projection {
-    fn update(&mut self, matrix: [f64; 16], session: &Session) {
+    fn update(&mut self, matrix: DMat4, session: &Session) {
         self.changed = false;
         if matrix == self.matrix && !self.per_view.is_empty() {
             return;
@@ -34,23 +35,22 @@ impl Projection {
         self.class = classify(&matrix);
         self.per_view.clear();
         if let MatrixClass::Perspective(intrinsics) = &self.class {
-            self.per_view
-                .extend(session.rows(intrinsics).map(|reprojection| multiply(&reprojection.matrix(), &matrix)));
+            self.per_view.extend(session.rows(intrinsics).map(|reprojection| reprojection.matrix() * matrix));
         }
     }
 
     /// Reads the matrix and computes what depends on it. Asks the driver only after a change.
     pub fn refresh(&mut self, gl: &Gl, session: Option<&Session>) {
         if let Some(session) = session.filter(|_| self.changed) {
-            let mut matrix = [0.0; 16];
+            let mut matrix = DMat4::ZERO;
             // SAFETY: writes sixteen doubles; the context has a fixed-function pipeline.
-            unsafe { gl.get_doublev(api::GL_PROJECTION_MATRIX, matrix.as_mut_ptr()) };
+            unsafe { gl.get_doublev(api::GL_PROJECTION_MATRIX, matrix.as_mut().as_mut_ptr()) };
             self.update(matrix, session);
         }
     }
 
     /// Returns the matrix as the program set it.
-    pub fn matrix(&self) -> &[f64; 16] {
+    pub fn matrix(&self) -> &DMat4 {
         &self.matrix
     }
 
@@ -60,21 +60,21 @@ impl Projection {
     }
 
     /// Returns the projection of a view.
-    pub fn of_view(&self, view: usize) -> Option<&[f64; 16]> {
+    pub fn of_view(&self, view: usize) -> Option<&DMat4> {
         self.per_view.get(view)
     }
 
     /// Copies the projections of all views to `views`, whose memory is used again.
-    pub fn copy_views_to(&self, views: &mut Vec<[f64; 16]>) {
+    pub fn copy_views_to(&self, views: &mut Vec<DMat4>) {
         views.clone_from(&self.per_view);
     }
 
     /// Returns `GL_MODELVIEW`. Asks the driver only after a change.
-    pub fn model_view(&mut self, gl: &Gl) -> [f64; 16] {
+    pub fn model_view(&mut self, gl: &Gl) -> DMat4 {
         *self.model_view.get_or_insert_with(|| {
-            let mut matrix = [0.0; 16];
+            let mut matrix = DMat4::ZERO;
             // SAFETY: writes sixteen doubles; the context has a fixed-function pipeline.
-            unsafe { gl.get_doublev(api::GL_MODELVIEW_MATRIX, matrix.as_mut_ptr()) };
+            unsafe { gl.get_doublev(api::GL_MODELVIEW_MATRIX, matrix.as_mut().as_mut_ptr()) };
             matrix
         })
     }
@@ -96,28 +96,15 @@ impl Projection {
 }
 
 /// Loads `matrix` into `GL_PROJECTION`; the matrix mode `mode` stays.
-pub fn load(gl: &Gl, mode: u32, matrix: &[f64; 16]) {
+pub fn load(gl: &Gl, mode: u32, matrix: &DMat4) {
     // SAFETY: reads sixteen doubles; the matrix mode is put back.
     unsafe {
         if mode != api::GL_PROJECTION {
             gl.matrix_mode(api::GL_PROJECTION);
         }
-        gl.load_matrixd(matrix.as_ptr());
+        gl.load_matrixd(matrix.as_ref().as_ptr());
         if mode != api::GL_PROJECTION {
             gl.matrix_mode(mode);
         }
     }
-}
-
-/// Returns the product of two matrices, column by column.
-pub fn multiply(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
-    let mut product = [0.0; 16];
-    for (to, from) in product.chunks_exact_mut(4).zip(b.chunks_exact(4)) {
-        for (column, factor) in a.chunks_exact(4).zip(from) {
-            for (sum, entry) in to.iter_mut().zip(column) {
-                *sum += entry * factor;
-            }
-        }
-    }
-    product
 }

@@ -2,6 +2,7 @@
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::values::integer;
+use glam::DMat4;
 
 /// Raster position of the program: in the scene, or in a tile.
 #[derive(Clone, Default)]
@@ -11,7 +12,7 @@ pub struct RasterPosition {
     /// position is relative to its window.
     pub(in crate::intercept::gl) origin: [i32; 2],
     /// Each view's projection when the position was set.
-    pub(in crate::intercept::gl) projections: Vec<[f64; 16]>,
+    pub(in crate::intercept::gl) projections: Vec<DMat4>,
 }
 
 impl RasterPosition {
@@ -81,7 +82,7 @@ impl TextureCoordinates {
 #[derive(Clone)]
 pub(in crate::intercept::gl) struct ScenePosition {
     pub(in crate::intercept::gl) object: [f64; 4],
-    pub(in crate::intercept::gl) model_view: [f64; 16],
+    pub(in crate::intercept::gl) model_view: DMat4,
     /// Current colour at the time when the position was set, lit if lighting was on.
     pub(in crate::intercept::gl) color: [f32; 4],
     /// Texture coordinates of all units at that time.

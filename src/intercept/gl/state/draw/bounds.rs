@@ -1,17 +1,19 @@
 //! Boxes around vertices.
 
+use glam::DVec3;
+
 /// A box around positions in object coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    low: [f64; 3],
-    high: [f64; 3],
+    low: DVec3,
+    high: DVec3,
     /// True if something of unknown position was added.
     unknown: bool,
 }
 
 impl Bounds {
     /// Box around nothing.
-    pub const EMPTY: Self = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3], unknown: false };
+    pub const EMPTY: Self = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY, unknown: false };
     /// Box around something of unknown position.
     pub const UNKNOWN: Self = Self { unknown: true, ..Self::EMPTY };
 
@@ -22,16 +24,14 @@ impl Bounds {
             self.unknown = true;
             return;
         }
-        for (axis, value) in [x, y, z].into_iter().enumerate() {
-            self.low[axis] = self.low[axis].min(value);
-            self.high[axis] = self.high[axis].max(value);
-        }
+        self.low = self.low.min(DVec3::new(x, y, z));
+        self.high = self.high.max(DVec3::new(x, y, z));
     }
 
     /// Extends the box to the box `other`.
     pub fn join(&mut self, other: &Self) {
         match other.known() {
-            Some((low, high)) => [low, high].into_iter().for_each(|[x, y, z]| self.add([x, y, z, 1.0])),
+            Some((low, high)) => [low, high].into_iter().for_each(|corner| self.add(corner.extend(1.0).to_array())),
             None => self.unknown = true,
         }
     }
@@ -43,7 +43,7 @@ impl Bounds {
 
     /// Returns the lowest and the highest corner; `None` if they are not known. A box without
     /// vertices is not known either, as Cupola may not have seen them.
-    pub fn known(&self) -> Option<([f64; 3], [f64; 3])> {
-        (!self.unknown && self.low[0] <= self.high[0]).then_some((self.low, self.high))
+    pub fn known(&self) -> Option<(DVec3, DVec3)> {
+        (!self.unknown && self.low.x <= self.high.x).then_some((self.low, self.high))
     }
 }

@@ -2,10 +2,10 @@
 
 use crate::correct::LowerLeftRect;
 use crate::correct::projected::matrices::ReprojectionMatrix;
-use crate::intercept::gl::state::compat::projection;
 use crate::intercept::scene::frame_order::FrameOrder;
 use crate::intercept::scene::viewport::parts::PanelPart;
 use crate::runtime::session::{ClipRows, Session};
+use glam::DMat4;
 
 /// Least w of a point in a view. A point with a smaller w is outside of the view.
 const LEAST_W: f64 = 1e-6;
@@ -19,8 +19,8 @@ pub struct Background {
     /// Part of the panel for which `reprojections` were computed.
     part: PanelPart,
     /// Fixed-function projection from which `per_view` was computed.
-    matrix: Option<[f64; 16]>,
-    per_view: Vec<[f64; 16]>,
+    matrix: Option<DMat4>,
+    per_view: Vec<DMat4>,
 }
 
 impl Background {
@@ -52,7 +52,7 @@ impl Background {
     }
 
     /// Returns the projection of a view, for the fixed-function pipeline.
-    pub fn projection(&self, view: usize) -> Option<&[f64; 16]> {
+    pub fn projection(&self, view: usize) -> Option<&DMat4> {
         self.per_view.get(view)
     }
 
@@ -84,12 +84,7 @@ impl Background {
         LowerLeftRect::new(tile.x + x, tile.y + y, (right - x).max(0), (top - y).max(0))
     }
 
-    pub(in crate::intercept::gl) fn prepare(
-        &mut self,
-        session: &Session,
-        projection: &[f64; 16],
-        part: PanelPart,
-    ) -> bool {
+    pub(in crate::intercept::gl) fn prepare(&mut self, session: &Session, projection: &DMat4, part: PanelPart) -> bool {
         if self.reprojections.is_empty() || self.part != part {
             self.part = part;
             self.reprojections = session.panel_rows();
@@ -100,9 +95,7 @@ impl Background {
         if self.matrix.as_ref() != Some(projection) {
             self.matrix = Some(*projection);
             self.per_view.clear();
-            self.per_view.extend(
-                self.reprojections.iter().map(|reprojection| projection::multiply(&reprojection.matrix(), projection)),
-            );
+            self.per_view.extend(self.reprojections.iter().map(|reprojection| reprojection.matrix() * *projection));
         }
         !self.reprojections.is_empty()
     }

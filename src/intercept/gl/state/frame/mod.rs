@@ -25,6 +25,7 @@ use crate::intercept::scene::flat_program::{FlatProgram, MissingLens};
 use crate::intercept::scene::viewport::parts::PanelPart;
 use crate::runtime::frame_times::FrameTimes;
 use crate::runtime::session::{Intrinsics, Session};
+use glam::DMat4;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
@@ -125,7 +126,7 @@ impl Frame {
     }
 
     /// Computes the matrices of flat drawing behind the scene. Returns false if there are none.
-    pub fn prepare_background(&mut self, session: &Session, projection: &[f64; 16], part: PanelPart) -> bool {
+    pub fn prepare_background(&mut self, session: &Session, projection: &DMat4, part: PanelPart) -> bool {
         self.background.prepare(session, projection, part)
     }
 

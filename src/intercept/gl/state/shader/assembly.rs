@@ -2,6 +2,7 @@
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::scene::lens::Order;
+use glam::DMat4;
 use std::sync::Mutex;
 
 /// A vertex program in assembly language that re-projects its position.
@@ -15,7 +16,7 @@ pub struct AssemblyProgram {
     /// Reprojection matrix that the four parameters hold.
     pub(in crate::intercept::gl) uploaded: Uploaded,
     /// Values of the matrices, for the search of the lens.
-    pub(in crate::intercept::gl) values: Mutex<Vec<[f64; 16]>>,
+    pub(in crate::intercept::gl) values: Mutex<Vec<DMat4>>,
 }
 
 /// The reprojection matrix that was uploaded to a program.

@@ -6,6 +6,7 @@ use crate::intercept::gl::state::vertex_input::buffers::Buffers;
 use crate::intercept::scene::camera::Cameras;
 use crate::intercept::scene::eye::{self, Eye};
 use crate::runtime::session::{CameraFunction, Direction, Intrinsics, ViewMatrix};
+use glam::Mat4;
 
 /// A shader stage whose matrices can be replaced in each view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,8 +68,8 @@ pub(in crate::intercept::gl) struct Substitute {
     /// Present if the matrix leads to or from the eye, according to its name.
     pub(in crate::intercept::gl) view_matrix: Option<ViewMatrix>,
     /// True if the eye is turned, and the matrix in each view, as far as it was computed.
-    pub(in crate::intercept::gl) of_views: (bool, Vec<Option<[f32; 16]>>),
-    pub(in crate::intercept::gl) uploaded: Option<[f32; 16]>,
+    pub(in crate::intercept::gl) of_views: (bool, Vec<Option<Mat4>>),
+    pub(in crate::intercept::gl) uploaded: Option<Mat4>,
     pub(in crate::intercept::gl) chosen: bool,
 }
 

@@ -4,7 +4,8 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::shader::programs::ProgramLens;
 use crate::intercept::gl::state::vertex_input::buffers::Buffers;
 use crate::intercept::process::log;
-use crate::intercept::scene::lens::{self, Candidate, Order, transposed};
+use crate::intercept::scene::lens::{self, Candidate, Order};
+use glam::{DMat4, DVec4};
 
 /// The 4×4 matrices of a program.
 #[derive(Default)]
@@ -31,7 +32,7 @@ pub(in crate::intercept::gl) struct Matrix {
     /// Rank of its name: the lower, the higher its priority.
     pub(in crate::intercept::gl) rank: u8,
     pub(in crate::intercept::gl) order: Order,
-    pub(in crate::intercept::gl) value: [f64; 16],
+    pub(in crate::intercept::gl) value: DMat4,
     pub(in crate::intercept::gl) name: Box<str>,
     /// Buffer from which the value in a block was read, and its version at that time; `None` if the
     /// value may change without a call that Cupola sees.
@@ -131,7 +132,7 @@ impl Uniforms {
     }
 
     /// Returns the value of the matrix of this number at the last time when blocks were read.
-    pub fn value(&self, number: usize) -> Option<&[f64; 16]> {
+    pub fn value(&self, number: usize) -> Option<&DMat4> {
         self.matrices.get(number).map(|matrix| &matrix.value)
     }
 
@@ -157,7 +158,7 @@ impl Uniforms {
 
     /// Returns the matrix of this number, as [`Uniforms::lens`] saw it; `None` if it may have
     /// changed since then.
-    pub fn matrix(&self, number: usize, buffers: &Buffers) -> Option<[f64; 16]> {
+    pub fn matrix(&self, number: usize, buffers: &Buffers) -> Option<DMat4> {
         let matrix = self.matrices.get(number)?;
         match (&matrix.place, matrix.read) {
             (MatrixLocation::Uniform(_) | MatrixLocation::Vectors(_), _) => Some(matrix.value),
@@ -208,7 +209,7 @@ impl Uniforms {
             {
                 self.live |= mapped;
                 matrix.read = buffers.content(buffer).map(|content| (buffer, content.0));
-                let value = if row_major { transposed(&value) } else { value };
+                let value = if row_major { value.transpose() } else { value };
                 changed |= value != matrix.value;
                 matrix.value = value;
             }
@@ -227,7 +228,7 @@ impl Uniforms {
     }
 
     /// Notes that a matrix was set by its location.
-    pub(in crate::intercept::gl) fn set(&mut self, location: i32, value: &[f64; 16]) {
+    pub(in crate::intercept::gl) fn set(&mut self, location: i32, value: &DMat4) {
         let mut changed = false;
         for matrix in self.matrices.iter_mut().filter(|matrix| matrix.place == MatrixLocation::Uniform(location)) {
             changed |= matrix.value != *value;
@@ -240,12 +241,13 @@ impl Uniforms {
 
     /// Notes that a vector was set by its location.
     pub(in crate::intercept::gl) fn set_vector(&mut self, location: i32, vector: [f32; 4]) {
-        let vector = vector.map(f64::from);
+        let vector = DVec4::from(vector.map(f64::from));
         let mut changed = false;
         for matrix in &mut self.matrices {
             let MatrixLocation::Vectors(first) = matrix.place else { continue };
             let number = usize::try_from(location.wrapping_sub(first)).unwrap_or(usize::MAX);
-            if let Some(column) = matrix.value.as_chunks_mut::<4>().0.get_mut(number) {
+            if number < 4 {
+                let column = matrix.value.col_mut(number);
                 changed |= *column != vector;
                 *column = vector;
             }
@@ -261,20 +263,20 @@ impl Uniforms {
     }
 }
 
-/// Returns sixteen numbers at `offset` of the buffer bound to a block's binding point, true if the
+/// Returns the matrix at `offset` of the buffer bound to a block's binding point, true if the
 /// buffer is mapped permanently, and its name.
-fn block_matrix(gl: &Gl, block: Block, offset: usize, stride: usize, double: bool) -> Option<([f64; 16], bool, u32)> {
+fn block_matrix(gl: &Gl, block: Block, offset: usize, stride: usize, double: bool) -> Option<(DMat4, bool, u32)> {
     let width = if double { size_of::<f64>() } else { size_of::<f32>() };
-    let matrix = |bytes: &[u8]| {
-        std::array::from_fn(|i| {
-            let at = i / 4 * stride + i % 4 * width;
-            match bytes.get(at..at + width) {
-                Some(number) if double => number.try_into().map_or(0.0, f64::from_ne_bytes),
-                Some(number) => f64::from(number.try_into().map_or(0.0, f32::from_ne_bytes)),
-                None => 0.0,
-            }
-        })
+    let entry = |bytes: &[u8], column: usize, row: usize| {
+        let at = column * stride + row * width;
+        match bytes.get(at..at + width) {
+            Some(number) if double => number.try_into().map_or(0.0, f64::from_ne_bytes),
+            Some(number) => f64::from(number.try_into().map_or(0.0, f32::from_ne_bytes)),
+            None => 0.0,
+        }
     };
+    let column = |bytes: &[u8], column: usize| std::array::from_fn(|row| entry(bytes, column, row));
+    let matrix = |bytes: &[u8]| DMat4::from_cols_array_2d(&std::array::from_fn(|number| column(bytes, number)));
     block_bytes(gl, block, offset, 3 * stride + 4 * width, matrix)
 }
 

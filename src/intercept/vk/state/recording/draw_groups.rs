@@ -17,6 +17,7 @@ use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect};
 use crate::intercept::vk::state::views::view_constants::{ChunkOffset, SlotParts};
 use crate::runtime::session::{CameraFunction, Intrinsics, ViewMatrix};
 use ash::vk;
+use glam::{DMat4, Mat4};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -24,7 +25,7 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MatrixValue {
     /// Its numbers in the order of memory, column by column.
-    Known([f32; 16]),
+    Known(Mat4),
     /// In a buffer, at an offset.
     Buffer(vk::Buffer, u64),
     /// Behind an address, at an offset from it. The address is in a buffer, at an offset.
@@ -140,7 +141,7 @@ pub struct DrawGroup {
     pub(in crate::intercept::vk) in_sight: u64,
     /// Draw class that was written last, with its lens.
     pub(in crate::intercept::vk) last: Option<DrawClass>,
-    pub(in crate::intercept::vk) matrices: Vec<(u8, [f64; 16])>,
+    pub(in crate::intercept::vk) matrices: Vec<(u8, DMat4)>,
     pub(in crate::intercept::vk) lens: Option<(Told, &'static str)>,
     /// Matrices of its shaders that are functions of the camera.
     pub(in crate::intercept::vk) cameras: CameraFunctions,
@@ -151,7 +152,7 @@ pub struct DrawGroup {
 pub struct CameraFunctions {
     /// Values of the matrices, and the number of changes of the cameras, at the last search for
     /// functions.
-    pub(in crate::intercept::vk) seen: Option<(Vec<Option<[f64; 16]>>, u64)>,
+    pub(in crate::intercept::vk) seen: Option<(Vec<Option<DMat4>>, u64)>,
     /// Dependence of each matrix on a camera, and that camera.
     pub(in crate::intercept::vk) functions: Vec<Option<(CameraFunction, Intrinsics)>>,
     /// Projection and view matrix, if they are separate.

@@ -13,6 +13,7 @@ use crate::intercept::vk::state::views::division_counter::Counter;
 use crate::lock::Lock;
 use ash::prelude::VkResult;
 use ash::vk;
+use glam::Mat4;
 use std::sync::{Mutex, OnceLock};
 
 /// Number of floats of a reprojection matrix. The lens constants that may follow have the same
@@ -298,15 +299,15 @@ impl ConstantChunk {
     }
 
     /// Writes the matrices that replace those of the program in a stage, at this offset.
-    pub fn write_cameras(&self, offset: u32, matrices: &[Option<[f32; FLOATS]>]) {
+    pub fn write_cameras(&self, offset: u32, matrices: &[Option<Mat4>]) {
         let mut chosen = [0.0f32; MOST_CAMERAS];
         for ((number, matrix), chosen) in (0..).zip(matrices).zip(&mut chosen) {
             if let Some(matrix) = matrix {
                 *chosen = 1.0;
-                self.write_words(offset + number * size_of_val(matrix) as u32, &matrix.map(f32::to_bits));
+                self.write_words(offset + number * size_of::<Mat4>() as u32, &matrix.to_cols_array().map(f32::to_bits));
             }
         }
-        let behind = (MOST_CAMERAS * size_of::<[f32; FLOATS]>()) as u32;
+        let behind = (MOST_CAMERAS * size_of::<Mat4>()) as u32;
         self.write_words(offset + behind, &chosen.map(f32::to_bits));
     }
 

@@ -1,4 +1,4 @@
-//! The part of the statistics that comes from the plan and the rig, for both APIs.
+//! The part of the statistics that comes from the plan, the rig and the process, for both APIs.
 
 use crate::intercept::process::publishing;
 use crate::intercept::process::settings::settings;
