@@ -26,7 +26,7 @@ impl Images {
         for image in self.duplicated() {
             let old = {
                 let mut images = self.images.locked();
-                let fits = |size: (u32, u32)| viewport::has_shape(size.0.into(), size.1.into(), layout.window);
+                let fits = |size: (u32, u32)| viewport::has_shape(size, layout.window);
                 let state = images.get_mut(&image).filter(|state| fits(state.size));
                 let even = self.even.load(Ordering::Relaxed);
                 let own_read = self.own_read.load(Ordering::Relaxed);

@@ -55,7 +55,7 @@ impl Images {
             let described = scaled || state.usage.intersects(read);
             (state.kind(), state.flags, described && state.is_single(), state.size, state.mip_levels)
         };
-        if !viewport::has_shape(size.0.into(), size.1.into(), layout.window) {
+        if !viewport::has_shape(size, layout.window) {
             return Ok(());
         }
         let most = device.driver.greatest_image();

@@ -1,7 +1,7 @@
 //! Flat draws to the window that sample followed images, and flat draws into such images.
 
 use crate::backend::gl::driver::api::{self, Gl};
-use crate::correct::LowerLeftRect;
+use crate::correct::{LowerLeftRect, Size};
 use crate::intercept::gl::state::offscreen::images::Set;
 
 /// Flat draws to the window that sample followed images, and flat draws into such images.
@@ -60,7 +60,7 @@ pub(in crate::intercept::gl) enum Measured {
 #[derive(Clone, Copy)]
 pub struct Picture {
     /// Width and height.
-    pub(in crate::intercept::gl) size: [i32; 2],
+    pub(in crate::intercept::gl) size: Size,
     /// Samples per pixel, at least 1.
     pub(in crate::intercept::gl) samples: i64,
 }
@@ -68,19 +68,18 @@ pub struct Picture {
 impl Picture {
     /// Rectangle of the whole picture.
     pub(in crate::intercept::gl) fn whole(&self) -> LowerLeftRect {
-        LowerLeftRect::new(0, 0, self.size[0], self.size[1])
+        LowerLeftRect::of_size(self.size)
     }
 
     /// Number of samples.
     fn all(&self) -> i64 {
-        let [width, height] = self.size.map(i64::from);
-        width * height * self.samples
+        self.size.area() * self.samples
     }
 
     /// Returns the rectangles of the arms: from the middle to the left, to the right, downwards and
     /// upwards, one pixel wide. A rectangle of more than half of the picture has the middle in it.
     pub(in crate::intercept::gl) fn arms(&self) -> [LowerLeftRect; ARMS] {
-        let ([width, height], [x, y]) = (self.size, self.middle());
+        let (Size { width, height }, [x, y]) = (self.size, self.middle());
         [
             LowerLeftRect::new(0, y, x, 1),
             LowerLeftRect::new(x, y, width - x, 1),
@@ -90,7 +89,7 @@ impl Picture {
     }
 
     fn middle(&self) -> [i32; 2] {
-        self.size.map(|length| length / 2)
+        [self.size.width / 2, self.size.height / 2]
     }
 
     /// Returns the rectangle that has `arms` samples in the arms. `None`: a draw with `samples`
@@ -99,7 +98,7 @@ impl Picture {
         let [left, right, below, above] = arms.map(|count| (count / self.samples) as i32);
         let [x, y] = self.middle();
         let rect = LowerLeftRect::new(x - left, y - below, left + right, below + above);
-        let area = i64::from(rect.width) * i64::from(rect.height) * self.samples;
+        let area = rect.size().area() * self.samples;
         // Rounded corners and thin lines may be left out.
         (50 * (area - samples).abs() <= area && 2 * area > self.all()).then_some(rect)
     }
@@ -183,22 +182,23 @@ mod tests {
 
     #[test]
     fn a_cross_finds_a_large_rectangle() {
-        let whole = |size: [i32; 2]| LowerLeftRect::new(0, 0, size[0], size[1]);
+        let whole = |size: (u32, u32)| LowerLeftRect::of_size(size);
         for (size, samples, rect) in [
-            ([640, 480], 1, LowerLeftRect::new(0, 0, 500, 480)),
-            ([640, 480], 4, LowerLeftRect::new(139, 20, 501, 457)),
-            ([641, 481], 1, LowerLeftRect::new(60, 33, 481, 400)),
-            ([1, 1], 1, whole([1, 1])),
-            ([3, 5], 2, whole([3, 5])),
+            ((640, 480), 1, LowerLeftRect::new(0, 0, 500, 480)),
+            ((640, 480), 4, LowerLeftRect::new(139, 20, 501, 457)),
+            ((641, 481), 1, LowerLeftRect::new(60, 33, 481, 400)),
+            ((1, 1), 1, whole((1, 1))),
+            ((3, 5), 2, whole((3, 5))),
         ] {
-            let (picture, samples_drawn) = (Picture { size, samples }, i64::from(rect.width * rect.height) * samples);
+            let (picture, samples_drawn) =
+                (Picture { size: size.into(), samples }, i64::from(rect.width * rect.height) * samples);
             assert_eq!(picture.rectangle(counted(picture, rect), samples_drawn), Some(rect), "{size:?}");
         }
     }
 
     #[test]
     fn other_shapes_and_small_parts_are_none() {
-        let picture = Picture { size: [100, 100], samples: 1 };
+        let picture = Picture { size: (100, 100).into(), samples: 1 };
         let rect = LowerLeftRect::new(10, 10, 80, 80);
         // A disc of that width, and a frame without its middle.
         for samples in [5027, 3000] {

@@ -1,6 +1,6 @@
 //! Records of the program's framebuffers and of the images in them.
 
-use crate::correct::LowerLeftRect;
+use crate::correct::{LowerLeftRect, Size};
 use crate::intercept::gl::state::offscreen::coverage::Coverage;
 use crate::intercept::gl::state::offscreen::depth_converter::DepthConverter;
 use crate::intercept::gl::state::offscreen::displayed::DisplayedPictures;
@@ -119,12 +119,8 @@ impl ViewCopies {
 
     /// Returns the part of the window that a picture of this size fills, by its shape. `None`: no part
     /// is known that has this shape.
-    pub fn part_of([width, height]: [i32; 2], parts: &[LowerLeftRect]) -> Option<LowerLeftRect> {
-        let has_shape = |part: &&LowerLeftRect| {
-            let size = (part.width.max(0) as u32, part.height.max(0) as u32);
-            viewport::has_shape_of_window(width.into(), height.into(), size)
-        };
-        parts.iter().find(has_shape).copied()
+    pub fn part_of(picture: Size, parts: &[LowerLeftRect]) -> Option<LowerLeftRect> {
+        parts.iter().find(|part| viewport::has_shape_of_window(picture, part.size())).copied()
     }
 
     /// Gives the shared records back to the group, as the context is not current any more.

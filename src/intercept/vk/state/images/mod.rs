@@ -49,11 +49,6 @@ pub struct Images {
     pub(in crate::intercept::vk) own_read: AtomicBool,
 }
 
-/// True if an image has the shape of a window, at any size.
-fn has_shape((width, height): (u32, u32), window: (u32, u32)) -> bool {
-    viewport::has_shape(width.into(), height.into(), window)
-}
-
 impl Images {
     /// Returns the target that the image of a view belongs to.
     pub fn target(&self, view: vk::ImageView) -> Option<Arc<ViewTarget>> {
@@ -145,7 +140,7 @@ impl Images {
         let images = self.images.locked();
         let fits = images.get(&image).is_some_and(|state| {
             let shown = state.described || aspects(state.format).contains(vk::ImageAspectFlags::COLOR);
-            shown && state.may_hold_scene() && window.is_some_and(|window| has_shape(state.size, window))
+            shown && state.may_hold_scene() && window.is_some_and(|window| viewport::has_shape(state.size, window))
         });
         fits && settings::settings().is_some_and(|settings| settings.rig.views.duplicate != Duplicate::Never)
     }
@@ -154,9 +149,7 @@ impl Images {
     /// blur around bright parts are not.
     pub fn is_large(&self, image: vk::Image) -> bool {
         let (size, window) = (self.size(image), *self.window.locked());
-        let wide = |((width, height), window)| viewport::has_shape_of_window(width, height, window);
-        let of_images = size.map(|(width, height)| (i64::from(width), i64::from(height)));
-        of_images.zip(window).is_some_and(wide)
+        size.zip(window).is_some_and(|(size, window)| viewport::has_shape_of_window(size, window))
     }
 
     /// Notes that a pass has this image as an attachment.

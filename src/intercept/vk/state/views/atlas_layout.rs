@@ -33,7 +33,7 @@ impl From<LowerLeftRect> for AtlasRect {
 
 impl From<AtlasRect> for Area {
     fn from(AtlasRect { x, y, width, height }: AtlasRect) -> Self {
-        Self { origin: [x, y].map(pixels), size: [width, height].map(pixels) }
+        Self { origin: [x, y].map(pixels).into(), size: [width, height].map(pixels).into() }
     }
 }
 
