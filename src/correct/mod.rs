@@ -26,7 +26,7 @@ pub use crate::correct::plan::builder::{build, build_with};
 pub use crate::correct::plan::footprints::{Footprints, TexelSpan, footprints};
 pub use crate::correct::plan::unsampled::unsampled_areas;
 pub use crate::correct::plan::unsampled_cached::cached_unsampled_areas;
-pub use crate::geom::rectangle::{BlitRect, LowerLeftRect, PixelRect, PixelSpan, UpperLeftRect, apart};
+pub use crate::geom::rectangle::{BlitRect, LowerLeftRect, PixelRect, PixelSpan, Size, UpperLeftRect, apart};
 pub use crate::geom::reprojection::Intrinsics;
 
 pub use crate::views::Tile;

@@ -30,6 +30,6 @@ pub use lenses::pinhole_rays::PinholeRays;
 pub use pose::Pose;
 pub use quadratic::QuadraticForm;
 pub use quadric::Quadric;
-pub use rectangle::{LowerLeftRect, PixelRect, PixelSpan, UpperLeftRect};
+pub use rectangle::{LowerLeftRect, PixelRect, PixelSpan, Size, UpperLeftRect};
 pub use screen::Screen;
 pub use sphere::Sphere;

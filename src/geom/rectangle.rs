@@ -1,4 +1,40 @@
-//! Rectangles of pixels.
+//! Rectangles of pixels, and sizes of pictures.
+
+use glam::DVec2;
+
+/// Width and height of a picture or a rectangle, in pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Size {
+    /// Width.
+    pub width: i32,
+    /// Height.
+    pub height: i32,
+}
+
+impl Size {
+    /// Makes a size.
+    pub const fn new(width: i32, height: i32) -> Self {
+        Self { width, height }
+    }
+
+    /// Number of pixels.
+    pub fn area(self) -> i64 {
+        i64::from(self.width) * i64::from(self.height)
+    }
+
+    /// Width and height as a vector.
+    pub fn to_vector(self) -> DVec2 {
+        DVec2::new(self.width.into(), self.height.into())
+    }
+}
+
+impl From<(u32, u32)> for Size {
+    /// Lengths beyond the range saturate.
+    fn from((width, height): (u32, u32)) -> Self {
+        let length = |length: u32| i32::try_from(length).unwrap_or(i32::MAX);
+        Self::new(length(width), length(height))
+    }
+}
 
 /// Rectangle of an output in pixels; the origin is at the top left.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -76,8 +112,9 @@ impl LowerLeftRect {
     }
 
     /// Rectangle of a whole picture of this size.
-    pub const fn of_size((width, height): (u32, u32)) -> Self {
-        Self::new(0, 0, width as i32, height as i32)
+    pub fn of_size(size: impl Into<Size>) -> Self {
+        let Size { width, height } = size.into();
+        Self::new(0, 0, width, height)
     }
 
     /// Returns the rectangle moved by `x` and `y`; positions saturate at the limits of `i32`.
@@ -91,8 +128,8 @@ impl LowerLeftRect {
     }
 
     /// Width and height.
-    pub const fn size(self) -> [i32; 2] {
-        [self.width, self.height]
+    pub const fn size(self) -> Size {
+        Size::new(self.width, self.height)
     }
 
     /// The rectangle by its lower left corner and its upper right one.
@@ -128,8 +165,8 @@ impl LowerLeftRect {
     }
 
     /// True if the rectangle has more than half of the pixels of a picture of this size.
-    pub fn is_most_of(self, (width, height): (u32, u32)) -> bool {
-        2 * i64::from(self.width) * i64::from(self.height) > i64::from(width) * i64::from(height)
+    pub fn is_most_of(self, picture: impl Into<Size>) -> bool {
+        2 * self.size().area() > picture.into().area()
     }
 
     /// Returns this rectangle of a window, moved to the window's `tile` and cut at the tile's

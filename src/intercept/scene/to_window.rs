@@ -1,20 +1,21 @@
 //! Converts window coordinates of the driver to those of the program.
 
 use crate::correct::LowerLeftRect;
+use glam::{DVec2, Vec2};
 
 /// A rectangle in window coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Area {
     /// Corner with the smallest coordinates.
-    pub origin: [f32; 2],
+    pub origin: Vec2,
     /// Width and height.
-    pub size: [f32; 2],
+    pub size: Vec2,
 }
 
 impl From<LowerLeftRect> for Area {
     fn from(rect: LowerLeftRect) -> Self {
-        let floats = |pair: [i32; 2]| pair.map(|length| length as f32);
-        Self { origin: floats(rect.origin()), size: floats(rect.size()) }
+        let LowerLeftRect { x, y, width, height } = rect;
+        Self { origin: Vec2::new(x as f32, y as f32), size: Vec2::new(width as f32, height as f32) }
     }
 }
 
@@ -22,8 +23,8 @@ impl From<LowerLeftRect> for Area {
 /// window coordinates, then multiply by `scale`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToWindow {
-    offset: [f32; 2],
-    scale: [f32; 2],
+    offset: Vec2,
+    scale: Vec2,
     /// Height of the program's window.
     height: f32,
     /// Height of the framebuffer that is drawn to.
@@ -32,7 +33,7 @@ pub struct ToWindow {
 
 impl Default for ToWindow {
     fn default() -> Self {
-        Self { offset: [0.0; 2], scale: [1.0; 2], height: 0.0, drawn_height: 0.0 }
+        Self { offset: Vec2::ZERO, scale: Vec2::ONE, height: 0.0, drawn_height: 0.0 }
     }
 }
 
@@ -40,21 +41,20 @@ impl ToWindow {
     /// Returns the conversion for a `tile` that shows the program's own window space.
     /// `drawn_height`: height of the framebuffer.
     pub fn of_tile(tile: Area, drawn_height: i32) -> Self {
-        Self { offset: tile.origin, scale: [1.0; 2], height: tile.size[1], drawn_height: drawn_height as f32 }
+        Self { offset: tile.origin, scale: Vec2::ONE, height: tile.size.y, drawn_height: drawn_height as f32 }
     }
 
     /// Returns the conversion for the `tile` of a view that shows the program's `viewport`.
     /// `height`: of the program's window. `drawn_height`: of the framebuffer.
     pub fn of_view(tile: Area, viewport: Area, height: i32, drawn_height: i32) -> Self {
-        let scale: [f64; 2] = std::array::from_fn(|i| {
-            let (length, shown) = (f64::from(viewport.size[i]), f64::from(tile.size[i]));
-            if length > 0.0 && shown > 0.0 { length / shown } else { 1.0 }
-        });
-        let offset: [f64; 2] =
-            std::array::from_fn(|i| f64::from(tile.origin[i]) - f64::from(viewport.origin[i]) / scale[i]);
+        let factor = |length: f32, shown: f32| {
+            if length > 0.0 && shown > 0.0 { f64::from(length) / f64::from(shown) } else { 1.0 }
+        };
+        let scale = DVec2::new(factor(viewport.size.x, tile.size.x), factor(viewport.size.y, tile.size.y));
+        let offset = tile.origin.as_dvec2() - viewport.origin.as_dvec2() / scale;
         Self {
-            offset: offset.map(|length| length as f32),
-            scale: scale.map(|length| length as f32),
+            offset: offset.as_vec2(),
+            scale: scale.as_vec2(),
             height: height as f32,
             drawn_height: drawn_height as f32,
         }
@@ -63,9 +63,9 @@ impl ToWindow {
     /// Returns offset and scale in the form of the shader. `upper_left`: the shader counts rows
     /// from above.
     pub fn vector(&self, upper_left: bool) -> [f32; 4] {
-        let [x, y] = self.offset;
-        let y = if upper_left { self.drawn_height - y - self.height / self.scale[1] } else { y };
-        [x, y, self.scale[0], self.scale[1]]
+        let (Vec2 { x, y }, scale) = (self.offset, self.scale);
+        let y = if upper_left { self.drawn_height - y - self.height / scale.y } else { y };
+        [x, y, scale.x, scale.y]
     }
 }
 

@@ -120,14 +120,14 @@ pub(crate) fn own_view(
     output_map: &OutputMap,
     method: ViewMethod,
 ) -> Option<PlannedView> {
-    let OutputKind::Perspective { angles, frustum } = kind else { return None };
+    let OutputKind::Perspective { angles: [yaw, pitch, roll], frustum } = *kind else { return None };
     if method == ViewMethod::Cube && frustum.is_some() {
         return None;
     }
     let (width, height) = output_map.size;
     let extent = frustum.unwrap_or(UNIT_FRUSTUM);
     let rotation = match frustum {
-        Some(_) => pose::rotation(angles[0], angles[1], angles[2]).transpose(),
+        Some(_) => pose::rotation(yaw, pitch, roll).transpose(),
         None => DMat3::IDENTITY,
     };
     let density = DVec2::new(f64::from(width) / extent.width(), f64::from(height) / extent.height());

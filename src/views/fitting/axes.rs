@@ -44,7 +44,7 @@ pub(crate) fn tightest(coarse: &Patch, fine: &Patch, quality: f64) -> Option<Ori
 
 /// Returns better axes near `axes` (local → viewer), by the simplex of Nelder and Mead (1965).
 pub(crate) fn refined(samples: &Patch, axes: DMat3, quality: f64) -> DMat3 {
-    let turned = |at: [f64; 3]| axes * pose::rotation(at[0], at[1], at[2]);
+    let turned = |[yaw, pitch, roll]: [f64; 3]| axes * pose::rotation(yaw, pitch, roll);
     let cost = |at: [f64; 3]| texels(samples, turned(at), quality).ln();
     turned(nelder_mead(cost, [0.0; 3], 0.1, 90))
 }

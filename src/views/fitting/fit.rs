@@ -110,8 +110,8 @@ pub(crate) fn fit(rotation: DMat3, samples: &Patch, quality: f64, fine: bool) ->
         }
         metrics.push(metric);
     }
-    let extent =
-        Frustum { left: least(low[0]), right: greatest(high[0]), bottom: least(low[1]), top: greatest(high[1]) };
+    let ([left, bottom], [right, top]) = (low.map(least), high.map(greatest));
+    let extent = Frustum { left, right, bottom, top };
     Some(Fit { extent, density: density(&metrics, fine)? * (quality * RESERVE) })
 }
 
@@ -166,18 +166,20 @@ impl Axes {
     /// Returns the cosines of the angles from the axis.
     #[inline(always)]
     fn ahead(&self, four: &Four) -> DVec4 {
-        -dot(&self.rows[2], &four.direction)
+        let [_, _, back] = &self.rows;
+        -dot(back, &four.direction)
     }
 
     /// Returns the places of four samples in the view, and their metrics there.
     #[inline(always)]
     fn project(&self, four: &Four) -> ([DVec4; 2], Metrics) {
-        let nearness = DVec4::splat(-1.0) / dot(&self.rows[2], &four.direction);
-        let at = [dot(&self.rows[0], &four.direction) * nearness, dot(&self.rows[1], &four.direction) * nearness];
+        let [right, above, back] = &self.rows;
+        let nearness = DVec4::splat(-1.0) / dot(back, &four.direction);
+        let [x, y] = [right, above].map(|row| dot(row, &four.direction) * nearness);
         // Rows of d(u, w)/d(direction), in viewer axes and without the factor `nearness`.
         let row =
-            |k: usize| -> [DVec4; 3] { std::array::from_fn(|axis| self.rows[k][axis] + self.rows[2][axis] * at[k]) };
-        let (across, up) = (row(0), row(1));
+            |row: &[DVec4; 3], at: DVec4| -> [DVec4; 3] { std::array::from_fn(|axis| row[axis] + back[axis] * at) };
+        let (across, up) = (row(right, x), row(above, y));
         let [xx, yy, zz, xy, xz, yz] = four.spread;
         let spread = |v: &[DVec4; 3]| [dot(&[xx, xy, xz], v), dot(&[xy, yy, yz], v), dot(&[xz, yz, zz], v)];
         let (spread_across, spread_up) = (spread(&across), spread(&up));
@@ -187,12 +189,12 @@ impl Axes {
         // A pixel that is seen edge-on would need an infinite resolution; it gets a finite one.
         let least = greater(DVec4::splat(1e-6) * xx * yy, DVec4::splat(f64::MIN_POSITIVE));
         let determinant = greater(least, xx * yy - xy * xy);
-        (at, Metrics { across: yy / determinant, mixed: -xy / determinant, up: xx / determinant })
+        ([x, y], Metrics { across: yy / determinant, mixed: -xy / determinant, up: xx / determinant })
     }
 }
 
 /// Returns the scalar products.
 #[inline(always)]
-fn dot(a: &[DVec4; 3], b: &[DVec4; 3]) -> DVec4 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+fn dot([a_x, a_y, a_z]: &[DVec4; 3], [b_x, b_y, b_z]: &[DVec4; 3]) -> DVec4 {
+    a_x * b_x + a_y * b_y + a_z * b_z
 }

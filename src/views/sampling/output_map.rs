@@ -72,9 +72,9 @@ pub(crate) fn lens_rotation(tilt: f64) -> DMat3 {
 
 /// Returns the matrix from normalised picture coordinates to a ray in viewer axes, for a
 /// perspective output.
-pub(crate) fn perspective_rays(angles: [f64; 3], frustum: Option<&Frustum>) -> DMat3 {
+pub(crate) fn perspective_rays([yaw, pitch, roll]: [f64; 3], frustum: Option<&Frustum>) -> DMat3 {
     match frustum {
-        Some(frustum) => pose::rotation(angles[0], angles[1], angles[2]) * frustum.rays(),
+        Some(frustum) => pose::rotation(yaw, pitch, roll) * frustum.rays(),
         None => UNIT_FRUSTUM.rays(),
     }
 }
@@ -118,16 +118,18 @@ impl OutputMap {
                 offset: -(to_viewer * eye) / rig.dome.radius,
                 full: rig.views.resolution == Resolution::Full,
             },
-            OutputKind::Projector { position, angles, frustum } => Map::Projector(Box::new(ProjectorMap {
-                origin: *position,
-                rays: pose::rotation(angles[0], angles[1], angles[2]) * frustum.rays(),
-                picture: frustum.picture() * pose::rotation(angles[0], angles[1], angles[2]).transpose(),
-                radius: rig.dome.radius,
-                pole: pole(rig),
-                least_cosine: (rig.dome.coverage < std::f64::consts::TAU).then(|| (0.5 * rig.dome.coverage).cos()),
-                eye,
-                to_viewer,
-            })),
+            OutputKind::Projector { position, angles: [yaw, pitch, roll], frustum } => {
+                Map::Projector(Box::new(ProjectorMap {
+                    origin: *position,
+                    rays: pose::rotation(*yaw, *pitch, *roll) * frustum.rays(),
+                    picture: frustum.picture() * pose::rotation(*yaw, *pitch, *roll).transpose(),
+                    radius: rig.dome.radius,
+                    pole: pole(rig),
+                    least_cosine: (rig.dome.coverage < std::f64::consts::TAU).then(|| (0.5 * rig.dome.coverage).cos()),
+                    eye,
+                    to_viewer,
+                }))
+            }
             OutputKind::Optics { .. } | OutputKind::Panorama { .. } | OutputKind::Mesh(_) => traced(output)?,
         };
         // The pixels' centres, or the outermost of four places in each.

@@ -54,12 +54,12 @@ fn change(ctx: &mut Context, change: impl Fn(&mut WindowArrays) + Send + Sync + 
 }
 
 fn set_viewports(ctx: &mut Context, first: u32, mut viewports: Vec<Viewport>) {
-    let ViewportLimits { edge, size } = ctx.driver.profile.viewport_limits;
+    let ViewportLimits { edge: [least, most], size: [widest, highest] } = ctx.driver.profile.viewport_limits;
     for Viewport { x, y, width, height } in &mut viewports {
         // The driver limits the numbers that it stores in the same way. `max` and `min` return the
         // bound for NaN.
-        (*x, *y) = (x.max(edge[0]).min(edge[1]), y.max(edge[0]).min(edge[1]));
-        (*width, *height) = (width.min(size[0]), height.min(size[1]));
+        (*x, *y) = (x.max(least).min(most), y.max(least).min(most));
+        (*width, *height) = (width.min(widest), height.min(highest));
     }
     change(ctx, move |arrays| {
         for (own, viewport) in arrays.viewports.iter_mut().skip(first as usize).zip(&viewports) {

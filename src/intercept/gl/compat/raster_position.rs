@@ -223,9 +223,9 @@ fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
         scaling::scale(ctx.driver.gl, &mut ctx.queries, QueryScaling { samples, ..QueryScaling::ONCE });
         own_window_space(ctx, tile);
         move_origin(&ctx.driver, &mut ctx.compat, tile.origin());
-        let begin = raster_position(gl);
+        let [x, y] = raster_position(gl);
         // Drawing in each tile begins at the same position as in the first tile.
-        let [x, y] = [begin[0] - tile.x as f32, begin[1] - tile.y as f32];
+        let [x, y] = [x - tile.x as f32, y - tile.y as f32];
         let [first_x, first_y] = *before.get_or_insert([x, y]);
         move_by(gl, first_x - x, first_y - y);
         repeats.unchanged(gl, number + 1 == pictures, || issue(gl));
@@ -234,11 +234,11 @@ fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
 
 /// Moves the driver's raster position to the tile with this origin. An invalid position cannot be
 /// moved, and draws nothing.
-fn move_origin(driver: &Driver, compat: &mut Compat, origin: [i32; 2]) {
+fn move_origin(driver: &Driver, compat: &mut Compat, [left, bottom]: [i32; 2]) {
     let [x, y] = compat.raster.origin;
-    if [x, y] != origin && is_valid(driver.gl) {
-        move_by(driver.gl, (origin[0] - x) as f32, (origin[1] - y) as f32);
-        compat.raster.origin = origin;
+    if [x, y] != [left, bottom] && is_valid(driver.gl) {
+        move_by(driver.gl, (left - x) as f32, (bottom - y) as f32);
+        compat.raster.origin = [left, bottom];
     }
 }
 
@@ -300,8 +300,8 @@ macro_rules! raster_hooks {
                 raster_command(ctx, |gl| gl.draw_pixels(w, h, format, kind, pixels));
             "glCopyPixels" copy_pixels(x: i32, y: i32, w: i32, h: i32, kind: u32) = |ctx, _gl|
                 list_recording::now_or_later(ctx, move |ctx| {
-                    let origin = if ctx.reads_redirected() { read_back::prepare(ctx, LowerLeftRect::new(x, y, w, h), kind == api::GL_COLOR) } else { [0, 0] };
-                    let (x, y) = (x + origin[0], y + origin[1]);
+                    let [left, bottom] = if ctx.reads_redirected() { read_back::prepare(ctx, LowerLeftRect::new(x, y, w, h), kind == api::GL_COLOR) } else { [0, 0] };
+                    let (x, y) = (x + left, y + bottom);
                     // SAFETY: the program's own call, with the coordinates of its picture in the
                     // atlas.
                     raster_command(ctx, |gl| unsafe { gl.copy_pixels(x, y, w, h, kind) });

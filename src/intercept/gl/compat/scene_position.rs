@@ -46,7 +46,8 @@ impl<'a> PlacedPosition<'a> {
     /// Sets the position with the present projection and viewport.
     pub fn set(&self) {
         self.present.set_again(self.gl, self.position);
-        move_by(self.gl, self.position.moved[0], self.position.moved[1]);
+        let [x, y] = self.position.moved;
+        move_by(self.gl, x, y);
     }
 
     /// Sets the position that the program has set in its own window, moved to `tile`. The present
@@ -109,16 +110,16 @@ impl Present {
     /// Sets a position of the scene again, with the colour, the texture coordinates and the depth
     /// range that it was first set with. All other state stays unchanged.
     fn set_again(&self, gl: &Gl, position: &ScenePosition) {
-        let [x, y, z, w] = position.object;
+        let ([x, y, z, w], [near, far], [own_near, own_far]) = (position.object, position.depths, self.depths);
         let on = || Self::SWITCHES.iter().zip(self.on).filter(|(_, on)| *on).map(|(switch, _)| *switch);
         // SAFETY: the program's own position; the rest is put back.
         unsafe {
             on().for_each(|switch| gl.disable(switch));
-            gl.depth_range(position.depths[0], position.depths[1]);
+            gl.depth_range(near, far);
             gl.color4fv(position.color.as_ptr());
             position.texture.set(gl);
             gl.raster_pos4d(x, y, z, w);
-            gl.depth_range(self.depths[0], self.depths[1]);
+            gl.depth_range(own_near, own_far);
             gl.color4fv(self.color.as_ptr());
             self.texture.set(gl);
             on().for_each(|switch| gl.enable(switch));

@@ -7,7 +7,7 @@
 
 use crate::backend::gl::Spread;
 use crate::backend::gl::driver::api;
-use crate::correct::LowerLeftRect;
+use crate::correct::{LowerLeftRect, Size};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::view_copies::{own_tile, views};
 use crate::intercept::process::log;
@@ -33,7 +33,7 @@ pub(super) fn spread(ctx: &mut Context, index: usize) {
     let mut colours = framebuffer.colours();
     let (Some(name), None, false) = (colours.next(), colours.next(), framebuffer.has_scene) else { return };
     let Some(image) = ctx.view_copies.image(name).filter(|image| FORMATS.contains(&image.format)) else { return };
-    let [width, height] = image.size;
+    let Size { width, height } = image.size;
     let (Some(copy), Some(lens)) = (&image.view_copy, ctx.frame.lens()) else { return };
     let Some(session) = ctx.drawable.session() else { return };
     // A view with a curved picture cannot be filled.

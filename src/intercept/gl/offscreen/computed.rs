@@ -2,6 +2,7 @@
 //! the program's own images, which get the content of each view in turn.
 
 use crate::backend::gl::driver::api::{self, Gl};
+use crate::correct::Size;
 use crate::intercept::gl::context::errors::drop_errors;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::sampling;
@@ -143,7 +144,7 @@ fn used(ctx: &mut Context, stage: &ComputeStage, single: bool) -> Used {
 impl Used {
     /// Adds a bound image, which is at `index` in the list.
     fn add(&mut self, ctx: &Context, bound: &BoundImage, index: usize) {
-        let [width, height] = ctx.view_copies.images[index].size;
+        let Size { width, height } = ctx.view_copies.images[index].size;
         let bit = if index < 64 { 1 << index } else { 0 };
         if bound.read {
             self.read |= bit;

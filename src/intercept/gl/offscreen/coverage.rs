@@ -36,8 +36,7 @@ pub fn filled_part(ctx: &mut Context, sampled: Set) -> Result<Option<LowerLeftRe
 /// Returns size and samples of the program's window.
 pub fn window(drawable: &Drawable) -> Option<Picture> {
     let target = drawable.target()?;
-    let (width, height) = target.size();
-    Some(Picture { size: [width as i32, height as i32], samples: target.config().samples.max(1).into() })
+    Some(Picture { size: target.size().into(), samples: target.config().samples.max(1).into() })
 }
 
 /// Returns whether the next draw, which samples no followed image, fills the program's viewport in
@@ -119,13 +118,9 @@ fn can_measure(driver: &Driver, queries: &Queries) -> bool {
 fn assumed(drawable: &Drawable, view_copies: &ViewCopies, sampled: Set) -> bool {
     let Some(target) = drawable.target() else { return false };
     let images = view_copies.images.iter().enumerate().take(64);
-    images.filter(|(i, _)| sampled >> i & 1 != 0).any(|(_, image)| {
-        crate::intercept::scene::viewport::has_shape_of_window(
-            image.size[0].into(),
-            image.size[1].into(),
-            target.size(),
-        )
-    })
+    images
+        .filter(|(i, _)| sampled >> i & 1 != 0)
+        .any(|(_, image)| crate::intercept::scene::viewport::has_shape_of_window(image.size, target.size()))
 }
 
 /// Issues the draw and measures its samples, with the program's own window space.

@@ -57,10 +57,9 @@ pub fn look(ctx: &mut Context, main: bool) -> Shows {
 /// True if `part` is the whole window, or has the shape of an image in `sampled`. Otherwise it may
 /// show only a part of the image.
 fn holds_whole_image(ctx: &Context, sampled: Set, part: LowerLeftRect) -> bool {
-    let size = (part.width.max(0) as u32, part.height.max(0) as u32);
     let is_whole = ctx.drawable.target().is_some_and(|target| part.contains(LowerLeftRect::of_size(target.size())));
     let mut images = ctx.view_copies.images.iter().enumerate().filter(|(i, _)| *i < 64 && sampled >> i & 1 != 0);
-    is_whole || images.any(|(_, image)| viewport::has_shape(image.size[0].into(), image.size[1].into(), size))
+    is_whole || images.any(|(_, image)| viewport::has_shape(image.size, part.size()))
 }
 
 /// Issues a draw that shows the images in `sampled` in the rectangle `part` of the window.
@@ -111,7 +110,7 @@ fn make_canvases(driver: &Driver, drawable: &Drawable, view_copies: &mut ViewCop
     if driver.profile.es && target.config().samples > 0 {
         return false;
     }
-    let size = [target.size().0 as i32, target.size().1 as i32];
+    let size = target.size().into();
     let (count, format) = (views(drawable), canvas_format(driver, drawable));
     while view_copies.displayed.canvases.len() < count {
         let Some(canvas) = SingleSampleImage::new(driver.gl, size, format) else { return false };

@@ -27,6 +27,7 @@ use crate::intercept::scene::viewport;
 use crate::intercept::scene::viewport::parts::PanelPart;
 use crate::rig::Duplicate;
 use crate::runtime::session::Session;
+use glam::DVec2;
 use std::cell::Cell;
 
 /// Issues a draw with vertices within `bounds` to a framebuffer of the program. Returns false if
@@ -131,10 +132,10 @@ fn classified(ctx: &mut Context, attached: Set) -> Classified {
 /// of its framebuffer.
 fn panel_part(app: &AppState, shaders: &Shaders, view_copies: &ViewCopies, index: usize) -> Option<PanelPart> {
     let framebuffer = view_copies.framebuffers.get(index)?;
-    let [width, height] = view_copies.image(framebuffer.images().next()?)?.size;
-    let [across, up] = app.viewport().size().map(f64::from);
-    let is_main = viewport::is_main(across, up, f64::from(width) * f64::from(height));
-    (!is_main && !several_viewports(app, shaders)).then(|| PanelPart::of(app.viewport(), [width, height]))
+    let picture = view_copies.image(framebuffer.images().next()?)?.size;
+    let DVec2 { x: across, y: up } = app.viewport().size().to_vector();
+    let is_main = viewport::is_main(across, up, picture.area() as f64);
+    (!is_main && !several_viewports(app, shaders)).then(|| PanelPart::of(app.viewport(), picture))
 }
 
 /// Draws to the tile of each view in framebuffer `index`. Each view samples its own version of the
@@ -159,7 +160,7 @@ fn draw_in_tiles(
             ctx.set_viewport(grid.tile(view));
             ctx.set_scissor(Some(ctx.frame.background().within(view, grid.tile(view))));
         }
-        ctx.draw.note_window_space(ToWindow::of_tile(grid.tile(view).into(), grid.extent(count)[1]));
+        ctx.draw.note_window_space(ToWindow::of_tile(grid.tile(view).into(), grid.extent(count).height));
         class
     });
     if sampled != 0 {
@@ -205,10 +206,9 @@ fn place(ctx: &mut Context, index: usize) -> FlatPlacement {
 /// Returns the part of the panel that corresponds to the framebuffer at `index`.
 fn shown_at(ctx: &Context, index: usize) -> PanelPart {
     let image = ctx.view_copies.framebuffers[index].images().next().and_then(|name| ctx.view_copies.image(name));
-    let [width, height] = image.map(|image| image.size.map(i64::from)).unwrap_or_default();
-    let part = ctx.view_copies.parts.of(width, height);
+    let part = image.and_then(|image| ctx.view_copies.parts.of(image.size));
     match (part, ctx.session().map(Session::window)) {
-        (Some(part), Some((width, height))) => PanelPart::of(part, [width as i32, height as i32]),
+        (Some(part), Some(window)) => PanelPart::of(part, window.into()),
         _ => PanelPart::default(),
     }
 }
@@ -265,11 +265,10 @@ fn note(
     sampled: Set,
 ) {
     let Some(window) = drawable.session().map(Session::window) else { return };
-    let [width, height] = app.viewport().size();
     let ViewCopies { framebuffers, images, learnt, parts, .. } = view_copies;
     let alike = duplicate_mode() == Duplicate::Always
-        || viewport::has_shape_of_window(width.into(), height.into(), window)
-        || parts.of(width.into(), height.into()).is_some();
+        || viewport::has_shape_of_window(app.viewport().size(), window)
+        || parts.of(app.viewport().size()).is_some();
     if class == DrawClass::Flat && sampled == 0 {
         return;
     }

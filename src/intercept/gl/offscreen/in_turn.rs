@@ -36,11 +36,10 @@ pub fn draw(ctx: &mut Context, changes: Changes, draw: &mut dyn FnMut(&mut Conte
     }
     // Needed because flat draws to the window are compared with the attached images.
     look(ctx);
-    let [width, height] = ctx.app.viewport().size();
     let class = match classify_by_projection(ctx) {
         DrawClass::Flat if upload::holds_inverse(ctx) => DrawClass::Screen,
         DrawClass::Flat => return false,
-        class if viewport::has_shape_of_window(width.into(), height.into(), window) => class,
+        class if viewport::has_shape_of_window(ctx.app.viewport().size(), window) => class,
         _ => return false,
     };
     ctx.frame.note_scene_off_screen();

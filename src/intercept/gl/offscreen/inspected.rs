@@ -1,7 +1,7 @@
 //! Describes draws for `cupola inspect`.
 
 use crate::backend::gl::driver::api;
-use crate::correct::LowerLeftRect;
+use crate::correct::{LowerLeftRect, Size};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::read_pixels::read_back;
 use crate::intercept::gl::offscreen::framebuffer_statistics;
@@ -124,7 +124,7 @@ fn bound<'a>(app: &AppState, view_copies: &'a ViewCopies) -> Option<&'a Framebuf
 
 fn name_of(image: &Image) -> String {
     let what = if image.mask & api::GL_COLOR_BUFFER_BIT != 0 { "colour" } else { "depth" };
-    let [width, height] = image.size;
+    let Size { width, height } = image.size;
     let name = match image.name {
         Name::Texture { name, level: 0, .. } => format!("texture {name}"),
         Name::Texture { name, level, .. } => format!("texture {name} level {level}"),
@@ -266,11 +266,11 @@ fn note_last_picture(driver: &mut Driver, drawable: &Drawable, view_copies: &mut
     let Some(index) = view_copies.position(framebuffer).filter(|_| framebuffer != 0) else { return };
     let Some(framebuffer) = view_copies.framebuffers.get(index) else { return };
     let Some(image) = framebuffer.colours().find_map(|name| view_copies.image(name)) else { return };
-    let [width, height] = image.size;
+    let Size { width, height } = image.size;
     let own = LowerLeftRect::new(0, 0, width, height);
     let (source, rect, name) = match &image.view_copy {
         Some(copy) if framebuffer.view_copy != 0 => {
-            let [width, height] = copy.grid.extent(views(drawable));
+            let Size { width, height } = copy.grid.extent(views(drawable));
             (framebuffer.view_copy, LowerLeftRect::new(0, 0, width, height), "afterwards, each view")
         }
         _ if image.samples > 1 => return,

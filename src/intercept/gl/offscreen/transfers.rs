@@ -3,7 +3,7 @@
 
 use crate::backend::gl::driver::api;
 use crate::backend::gl::objects::framebuffers::{self, FramebufferBindings};
-use crate::correct::{BlitRect, LowerLeftRect};
+use crate::correct::{BlitRect, LowerLeftRect, Size};
 use crate::intercept::gl::context::errors::drop_errors;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::view_copies::{
@@ -68,10 +68,9 @@ pub fn shown_part(ctx: &Context, source: BlitRect, destination: BlitRect) -> Opt
         return Some(window);
     }
     let image = colours_of_read(&ctx.app, &ctx.view_copies).into_iter().flatten().next()?;
-    let [width, height] = ctx.view_copies.image(image)?.size;
+    let whole = LowerLeftRect::of_size(ctx.view_copies.image(image)?.size);
     let part = destination.unmirrored();
-    let whole = source.unmirrored() == LowerLeftRect::new(0, 0, width, height);
-    (whole && window.contains(part) && part.is_most_of(size)).then_some(part)
+    (source.unmirrored() == whole && window.contains(part) && part.is_most_of(size)).then_some(part)
 }
 
 /// Returns the destination of a copy to `part` of the window, spread to the whole window.
@@ -193,7 +192,7 @@ struct Region {
     framebuffer: u32,
     rect: LowerLeftRect,
     /// Width and height of the picture in the program's pixels.
-    size: [i32; 2],
+    size: Size,
     samples: i32,
     format: u32,
 }
@@ -206,7 +205,7 @@ impl Region {
                 let target = ctx.drawable.target()?;
                 let several = target.config().samples > 0;
                 let framebuffer = if reads && several { target.readable_framebuffer() } else { target.framebuffer() };
-                let (rect, size) = (target.session.tile(view).0, [target.size().0 as i32, target.size().1 as i32]);
+                let (rect, size) = (target.session.tile(view).0, target.size().into());
                 let samples = if reads { 0 } else { target.config().samples };
                 Some(Self { framebuffer, rect, size, samples, format: window_format(&ctx.drawable) })
             }
@@ -235,7 +234,7 @@ impl Region {
             let scaled = i64::from(value) * i64::from(size);
             (scaled as f64 / f64::from(full.max(1))).round() as i32
         };
-        let [across, up] = self.size;
+        let Size { width: across, height: up } = self.size;
         let placed =
             |[to_right, upwards]: [i32; 2]| [x + scale(to_right, width, across), y + scale(upwards, height, up)];
         BlitRect { start: placed(corners.start), end: placed(corners.end) }
@@ -343,7 +342,7 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
     if mask & colour == 0 {
         return;
     }
-    let whole = |[width, height]: [i32; 2]| BlitRect::new(0, 0, width, height);
+    let whole = |size: Size| LowerLeftRect::of_size(size).corners();
     let (resolved, scaled) = (
         canvas(&ctx.driver, &mut ctx.view_copies, here, from.format),
         (to.samples > 0).then(|| canvas(&ctx.driver, &mut ctx.view_copies, there, to.format)),
@@ -395,7 +394,7 @@ pub(in crate::intercept::gl) fn window_format(drawable: &Drawable) -> u32 {
 }
 
 /// Returns a framebuffer of Cupola with this size and format, and keeps it for later calls.
-fn canvas(driver: &Driver, view_copies: &mut ViewCopies, size: [i32; 2], format: u32) -> Option<u32> {
+fn canvas(driver: &Driver, view_copies: &mut ViewCopies, size: Size, format: u32) -> Option<u32> {
     if let Some(canvas) = view_copies.canvases.iter().find(|canvas| canvas.is(size, format)) {
         return Some(canvas.framebuffer());
     }

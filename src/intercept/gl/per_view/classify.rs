@@ -13,6 +13,7 @@ use crate::intercept::scene::flat_program::MissingLens;
 use crate::intercept::scene::viewport;
 use crate::lock::Lock;
 use crate::runtime::session::MatrixClass;
+use glam::DVec2;
 
 /// Returns the class of a draw with the present state.
 pub fn classify(ctx: &mut Context) -> DrawClass {
@@ -76,7 +77,7 @@ fn of_lens(app: &AppState, drawable: &Drawable, frame: &mut Frame, lens: Program
     let (ProgramLens::Perspective(told, how), Some(session)) = (lens, drawable.session()) else {
         return DrawClass::Flat;
     };
-    let [width, height] = app.viewport().size().map(f64::from);
+    let DVec2 { x: width, y: height } = app.viewport().size().to_vector();
     let Some(intrinsics) = told.settled(frame.cameras().lenses(), width / height) else { return DrawClass::Flat };
     frame.note_lens(intrinsics, how);
     DrawClass::Scene(frame.camera(&intrinsics, session))
@@ -84,6 +85,6 @@ fn of_lens(app: &AppState, drawable: &Drawable, frame: &mut Frame, lens: Program
 
 /// True if the viewport is the program's main one. Drawing to smaller viewports is flat.
 pub fn main_viewport(app: &AppState, frame: &Frame) -> bool {
-    let [width, height] = app.viewport().size().map(f64::from);
+    let DVec2 { x: width, y: height } = app.viewport().size().to_vector();
     viewport::is_main(width, height, frame.main_area() as f64)
 }

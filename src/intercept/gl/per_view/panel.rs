@@ -17,11 +17,12 @@ impl PanelBlend {
             return None;
         }
         let factors = known.blending(gl);
-        let covers = factors[1] == api::GL_ONE_MINUS_SRC_ALPHA;
-        let (source, destination) =
+        let [source, destination, ..] = factors;
+        let covers = destination == api::GL_ONE_MINUS_SRC_ALPHA;
+        let (source_alpha, destination_alpha) =
             if covers { (api::GL_ONE, api::GL_ONE_MINUS_SRC_ALPHA) } else { (api::GL_ZERO, api::GL_ONE) };
         // SAFETY: sets plain state; put back in `end`.
-        unsafe { gl.blend_func_separate(factors[0], factors[1], source, destination) };
+        unsafe { gl.blend_func_separate(source, destination, source_alpha, destination_alpha) };
         Some(Self { factors })
     }
 

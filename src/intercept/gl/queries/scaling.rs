@@ -60,8 +60,7 @@ pub fn scene_samples(
     let Some(lens) = frame.lens() else { return 1.0 };
     let seen = Some((lens, app.viewport(), off_screen));
     if queries.seen != seen {
-        let [width, height] = app.viewport().size().map(f64::from);
-        let own = width * height;
+        let own = app.viewport().size().area() as f64;
         queries.worth = factor(own, session.samples(&lens, own, off_screen));
         queries.seen = seen;
     }

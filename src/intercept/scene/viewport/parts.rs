@@ -2,7 +2,7 @@
 //!
 //! Rectangles count rows in the direction of the API.
 
-use crate::correct::LowerLeftRect;
+use crate::correct::{LowerLeftRect, Size};
 use crate::intercept::scene::viewport;
 use crate::runtime::session::ClipRows;
 
@@ -25,31 +25,30 @@ impl Parts {
     }
 
     /// Returns a part that has the shape of a picture of this size. `None`: no such part is known.
-    pub fn of_shape(&self, width: i64, height: i64) -> Option<LowerLeftRect> {
-        let is_like = |part: &&LowerLeftRect| viewport::has_shape(width, height, size(part));
+    pub fn of_shape(&self, picture: impl Into<Size>) -> Option<LowerLeftRect> {
+        let picture = picture.into();
+        let is_like = |part: &&LowerLeftRect| viewport::has_shape(picture, part.size());
         self.0.iter().find(is_like).copied()
     }
 
     /// Returns the part that a picture of this size may fill: it has the part's shape, and at least
     /// a quarter of its width.
-    pub fn of(&self, width: i64, height: i64) -> Option<LowerLeftRect> {
-        let is_like = |part: &&LowerLeftRect| viewport::has_shape_of_window(width, height, size(part));
+    pub fn of(&self, picture: impl Into<Size>) -> Option<LowerLeftRect> {
+        let picture = picture.into();
+        let is_like = |part: &&LowerLeftRect| viewport::has_shape_of_window(picture, part.size());
         self.0.iter().find(is_like).copied()
     }
 
     /// True if a part has this size.
-    pub fn any_of_size(&self, wanted: (u32, u32)) -> bool {
-        self.0.iter().any(|part| size(part) == wanted)
+    pub fn any_of_size(&self, wanted: impl Into<Size>) -> bool {
+        let wanted = wanted.into();
+        self.0.iter().any(|part| part.size() == wanted)
     }
 
     /// Forgets all parts.
     pub fn clear(&mut self) {
         self.0.clear();
     }
-}
-
-fn size(part: &LowerLeftRect) -> (u32, u32) {
-    (part.width.max(0) as u32, part.height.max(0) as u32)
 }
 
 /// Part of the panel that a viewport covers: scale and offset of clip coordinates to the right and
@@ -68,7 +67,7 @@ impl Default for PanelPart {
 
 impl PanelPart {
     /// Returns the part for a viewport in a picture of this size.
-    pub fn of(viewport: LowerLeftRect, [width, height]: [i32; 2]) -> Self {
+    pub fn of(viewport: LowerLeftRect, Size { width, height }: Size) -> Self {
         let LowerLeftRect { x, y, width: across, height: up } = viewport;
         let part = |length: i32, all: i32| f64::from(length) / f64::from(all.max(1));
         let (scale, start) = ([part(across, width), part(up, height)], [part(x, width), part(y, height)]);
@@ -90,7 +89,7 @@ pub const ARMS: usize = 4;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Picture {
     /// Width and height.
-    pub size: [i32; 2],
+    pub size: Size,
     /// Samples per pixel, at least 1.
     pub samples: i64,
 }
@@ -109,13 +108,12 @@ pub enum Filled {
 impl Picture {
     /// Rectangle of the whole picture.
     pub fn whole(&self) -> LowerLeftRect {
-        LowerLeftRect::new(0, 0, self.size[0], self.size[1])
+        LowerLeftRect::of_size(self.size)
     }
 
     /// Number of samples.
     fn all(&self) -> i64 {
-        let [width, height] = self.size.map(i64::from);
-        width * height * self.samples
+        self.size.area() * self.samples
     }
 
     /// Returns how much of the picture a draw of `samples` samples fills.
@@ -131,7 +129,7 @@ impl Picture {
     /// Returns the rectangles of the arms: from the middle to the left, to the right, downwards and
     /// upwards, one pixel wide. A rectangle of more than half of the picture has the middle in it.
     pub fn arms(&self) -> [LowerLeftRect; ARMS] {
-        let ([width, height], [x, y]) = (self.size, self.middle());
+        let (Size { width, height }, [x, y]) = (self.size, self.middle());
         [
             LowerLeftRect::new(0, y, x, 1),
             LowerLeftRect::new(x, y, width - x, 1),
@@ -141,7 +139,7 @@ impl Picture {
     }
 
     fn middle(&self) -> [i32; 2] {
-        self.size.map(|length| length / 2)
+        [self.size.width / 2, self.size.height / 2]
     }
 
     /// Returns the rectangle that has `arms` samples in the arms. `None`: a draw with `samples`
@@ -158,7 +156,7 @@ impl Picture {
 
 #[cfg(test)]
 mod tests {
-    use super::{ARMS, ClipRows, Filled, LowerLeftRect, PanelPart, Parts, Picture};
+    use super::{ARMS, ClipRows, Filled, LowerLeftRect, PanelPart, Parts, Picture, Size};
 
     /// Number of samples in each arm of a draw that fills `rect`.
     fn counted(picture: Picture, rect: LowerLeftRect) -> [i64; ARMS] {
@@ -172,22 +170,21 @@ mod tests {
 
     #[test]
     fn a_cross_finds_a_large_rectangle() {
-        let whole = |size: [i32; 2]| LowerLeftRect::new(0, 0, size[0], size[1]);
         for (size, samples, rect) in [
-            ([640, 480], 1, LowerLeftRect::new(0, 0, 500, 480)),
-            ([640, 480], 4, LowerLeftRect::new(139, 20, 501, 457)),
-            ([641, 481], 1, LowerLeftRect::new(60, 33, 481, 400)),
-            ([1, 1], 1, whole([1, 1])),
-            ([3, 5], 2, whole([3, 5])),
+            (Size::new(640, 480), 1, LowerLeftRect::new(0, 0, 500, 480)),
+            (Size::new(640, 480), 4, LowerLeftRect::new(139, 20, 501, 457)),
+            (Size::new(641, 481), 1, LowerLeftRect::new(60, 33, 481, 400)),
+            (Size::new(1, 1), 1, LowerLeftRect::new(0, 0, 1, 1)),
+            (Size::new(3, 5), 2, LowerLeftRect::new(0, 0, 3, 5)),
         ] {
-            let (picture, samples_drawn) = (Picture { size, samples }, i64::from(rect.width * rect.height) * samples);
+            let (picture, samples_drawn) = (Picture { size, samples }, rect.size().area() * samples);
             assert_eq!(picture.rectangle(counted(picture, rect), samples_drawn), Some(rect), "{size:?}");
         }
     }
 
     #[test]
     fn other_shapes_and_small_parts_are_none() {
-        let picture = Picture { size: [100, 100], samples: 1 };
+        let picture = Picture { size: Size::new(100, 100), samples: 1 };
         let rect = LowerLeftRect::new(10, 10, 80, 80);
         // A disc of that width, and a frame without its middle.
         for samples in [5027, 3000] {
@@ -200,7 +197,7 @@ mod tests {
 
     #[test]
     fn samples_tell_how_much_is_filled() {
-        let picture = Picture { size: [10, 10], samples: 4 };
+        let picture = Picture { size: Size::new(10, 10), samples: 4 };
         assert_eq!(
             [360, 359, 201, 200].map(|samples| picture.filled(samples)),
             [Filled::Whole, Filled::Large, Filled::Large, Filled::Small]
@@ -211,21 +208,21 @@ mod tests {
     fn parts_are_found_by_shape() {
         let (mut parts, part) = (Parts::default(), LowerLeftRect::new(32, 32, 224, 192));
         assert!(parts.note(part) && !parts.note(part));
-        assert_eq!([(224, 192), (112, 96)].map(|(width, height)| parts.of(width, height)), [Some(part); 2]);
-        assert_eq!(parts.of_shape(28, 24), Some(part));
-        assert_eq!((parts.of(28, 24), parts.of(256, 192)), (None, None), "too small, and another shape");
+        assert_eq!([(224, 192), (112, 96)].map(|size: (u32, u32)| parts.of(size)), [Some(part); 2]);
+        assert_eq!(parts.of_shape((28, 24)), Some(part));
+        assert_eq!((parts.of((28, 24)), parts.of((256, 192))), (None, None), "too small, and another shape");
         assert!(parts.any_of_size((224, 192)) && !parts.any_of_size((112, 96)));
         for x in 0..20 {
             parts.note(LowerLeftRect::new(x, 0, 300, 100));
         }
-        assert_eq!((parts.of(224, 192), parts.of(300, 100).map(|part| part.x)), (None, Some(19)));
+        assert_eq!((parts.of((224, 192)), parts.of((300, 100)).map(|part| part.x)), (None, Some(19)));
     }
 
     #[test]
     fn the_corners_of_a_viewport_are_those_of_its_part() {
         let row = |at: usize| std::array::from_fn(|i| if i == at { 1.0 } else { 0.0 });
         let whole = ClipRows { x: row(0), y: row(1), w: row(2), e: 0.0, curved: false, depth: [0.5, 0.0] };
-        let part = PanelPart::of(LowerLeftRect::new(100, 0, 100, 50), [400, 200]).reprojection(&whole);
+        let part = PanelPart::of(LowerLeftRect::new(100, 0, 100, 50), Size::new(400, 200)).reprojection(&whole);
         let at = |row: [f64; 4], [x, y]: [f64; 2]| row[0] * x + row[1] * y + row[2];
         for (corner, expected) in [([-1.0, -1.0], [-0.5, -1.0]), ([1.0, 1.0], [0.0, -0.5])] {
             assert_eq!([at(part.x, corner), at(part.y, corner), at(part.w, corner)], [expected[0], expected[1], 1.0]);

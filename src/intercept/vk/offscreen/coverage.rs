@@ -218,7 +218,7 @@ fn rectangle(window: (u32, u32), [all, arms @ ..]: [i64; QUERIES as usize]) -> O
     // In a filled rectangle the number of samples per pixel follows from the counts. Of other shapes
     // it makes no large rectangle.
     let samples = ((left + right) * (up + down) + all / 2).checked_div(all)?.max(1);
-    let picture = Picture { size: [window.0 as i32, window.1 as i32], samples };
+    let picture = Picture { size: window.into(), samples };
     picture.rectangle(arms, all).map(AtlasRect::from)
 }
 

@@ -28,10 +28,9 @@ impl Images {
             let old = {
                 let mut images = self.images.locked();
                 let fits = |state: &Image| {
-                    let (width, height) = (state.size.0.into(), state.size.1.into());
                     // A part of another window is not known until it is seen again.
                     let in_part = state.target.as_ref().is_some_and(|target| target.layout.part.is_some());
-                    in_part || viewport::has_shape(width, height, layout.window)
+                    in_part || viewport::has_shape(state.size, layout.window)
                 };
                 let state = images.get_mut(&image).filter(|state| fits(state));
                 let even = self.even.load(Ordering::Relaxed);

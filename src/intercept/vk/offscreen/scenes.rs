@@ -150,10 +150,9 @@ impl Images {
     /// Returns the layout of off-screen scenes of `size` that lead to a window of `layout`; `None` if
     /// they have another shape.
     fn layout_of(&self, layout: &Arc<AtlasLayout>, size: (u32, u32), most: u32) -> Option<Arc<AtlasLayout>> {
-        let (width, height) = (size.0.into(), size.1.into());
-        let part = match viewport::has_shape(width, height, layout.window) {
+        let part = match viewport::has_shape(size, layout.window) {
             true => None,
-            false => Some(AtlasRect::from(self.parts.locked().of_shape(width, height)?)),
+            false => Some(AtlasRect::from(self.parts.locked().of_shape(size)?)),
         };
         Some(match self.even.load(Ordering::Relaxed) {
             true => layout.even(size, part, self.own_read.load(Ordering::Relaxed)),

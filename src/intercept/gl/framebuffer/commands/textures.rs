@@ -2,7 +2,7 @@
 //! copies.
 
 use crate::backend::gl::driver::api;
-use crate::correct::LowerLeftRect;
+use crate::correct::{LowerLeftRect, Size};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
@@ -35,7 +35,7 @@ fn lacks_alpha(ctx: &Context, format: u32) -> bool {
 }
 
 /// Handles a call that sets the size of a texture level. `filled`: the call also sets its texels.
-fn specified(ctx: &mut Context, texture: u32, level: i32, size: [i32; 2], issue: impl FnOnce(), filled: bool) {
+fn specified(ctx: &mut Context, texture: u32, level: i32, size: Size, issue: impl FnOnce(), filled: bool) {
     let same = texture != 0 && view_copies::is_alike(&ctx.view_copies, texture, level, size);
     if texture != 0 && !same {
         view_copies::forget_texture(ctx, texture);
@@ -85,7 +85,7 @@ fn copied(
 hooks! {
     "glTexImage2D" tex_image2_d(target: u32, level: i32, internal: i32, w: i32, h: i32, border: i32, format: u32, kind: u32, pixels: *const c_void) = |ctx, gl| {
         let texture = bound(ctx, target);
-        specified(ctx, texture, level, [w, h], || gl.tex_image2_d(target, level, internal, w, h, border, format, kind, pixels), !pixels.is_null());
+        specified(ctx, texture, level, Size::new(w, h), || gl.tex_image2_d(target, level, internal, w, h, border, format, kind, pixels), !pixels.is_null());
     };
     "glTexSubImage2D" tex_sub_image2_d(target: u32, level: i32, x: i32, y: i32, w: i32, h: i32, format: u32, kind: u32, pixels: *const c_void) = |ctx, gl| {
         gl.tex_sub_image2_d(target, level, x, y, w, h, format, kind, pixels);
@@ -153,7 +153,7 @@ hooks! {
                 return;
             }
             let texture = sampling::bound(&ctx.driver, target);
-            if texture != 0 && !view_copies::is_alike(&ctx.view_copies, texture, level, [w, h]) {
+            if texture != 0 && !view_copies::is_alike(&ctx.view_copies, texture, level, Size::new(w, h)) {
                 view_copies::forget_texture(ctx, texture);
             }
             copied(ctx, texture, level, [0, 0], LowerLeftRect::new(x, y, w, h), |ctx| {

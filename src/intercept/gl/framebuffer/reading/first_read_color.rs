@@ -1,7 +1,7 @@
 //! Colours of the program's own picture for its first read, if the views are pictures of outputs.
 //! Each pixel gets the texel that shows its direction, with the flat panel over it.
 
-use crate::correct::LowerLeftRect;
+use crate::correct::{LowerLeftRect, Size};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::framebuffer::reading::first_read_depth::{self, Content, find};
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
@@ -13,7 +13,7 @@ use glam::{DMat3, DVec3};
 /// resolved. Directions that no output shows become black.
 pub fn fill(driver: &Driver, target: &DefaultFramebuffer, directions: DMat3) {
     let Some(primary) = target.primary() else { return };
-    let [width, height] = primary.size();
+    let Size { width, height } = primary.size();
     let views = &target.session.plan().views;
     let atlas = first_read_depth::read(
         driver.gl,
@@ -50,7 +50,7 @@ pub fn fill(driver: &Driver, target: &DefaultFramebuffer, directions: DMat3) {
 pub fn fill_flat(ctx: &Context, target: &DefaultFramebuffer) {
     let (gl, session) = (ctx.driver.gl, &target.session);
     let Some(primary) = target.primary() else { return };
-    let [width, height] = primary.size();
+    let Size { width, height } = primary.size();
     let atlas = target.readable_framebuffer();
     target.resolve(&ctx.driver, &ctx.app, &ctx.drawable, Some(LowerLeftRect::of_size(session.plan().views.atlas)));
     let tile = session.tile(0).0;

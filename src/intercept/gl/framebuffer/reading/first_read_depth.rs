@@ -4,7 +4,7 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::objects::framebuffers::{FramebufferBindings, blit};
 use crate::correct;
-use crate::correct::{BlitRect, LowerLeftRect};
+use crate::correct::{BlitRect, LowerLeftRect, Size};
 use crate::intercept::gl::context::read_pixels;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::driver::Driver;
@@ -28,7 +28,7 @@ pub fn fill(driver: &Driver, frame: &Frame, target: &DefaultFramebuffer, directi
     let (Some(lens), Some(primary), false) = (frame.lens(), target.primary(), driver.profile.es) else {
         return;
     };
-    let [width, height] = primary.size();
+    let Size { width, height } = primary.size();
     let gl = driver.gl;
     let plan = target.session.plan();
     let Some(depths) = Depths::of(gl) else { return };
@@ -166,7 +166,7 @@ pub fn read(gl: &Gl, framebuffer: u32, rect: LowerLeftRect, content: Content) ->
 
 /// Writes content into a tile of the stand-in image. Restores all state that it changes.
 pub fn write(gl: &Gl, window: &DefaultFramebuffer, tile: LowerLeftRect, content: Content, pixels: &[u32]) {
-    let [width, height] = tile.size();
+    let Size { width, height } = tile.size();
     let texture = crate::backend::gl::driver::own_names::texture(gl);
     let ([format, kind, internal], [attachment, bits]) = content.names();
     window.backend().while_uploading(gl, || {

@@ -2,7 +2,7 @@
 
 use crate::backend::gl::driver::api::Gl;
 use crate::backend::gl::objects::framebuffers::FramebufferBindings;
-use crate::correct::LowerLeftRect;
+use crate::correct::{LowerLeftRect, Size};
 use crate::intercept::gl::context::errors::drop_errors;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::view_copies::{copy_count, leave, make_view_copy, possible};
@@ -115,8 +115,8 @@ pub fn clear_with(ctx: &mut Context, issue: &dyn Fn(&Gl)) -> bool {
     let index = look(ctx);
     // A clear of a part, as for a picture in a corner, does not remove the scene.
     let name = ctx.view_copies.framebuffers[index].images().next();
-    let size = name.and_then(|name| ctx.view_copies.image(name)).map_or([0; 2], |image| image.size);
-    let part = ctx.app.scissor_test() && !ctx.app.scissor().contains(LowerLeftRect::new(0, 0, size[0], size[1]));
+    let size = name.and_then(|name| ctx.view_copies.image(name)).map_or(Size::default(), |image| image.size);
+    let part = ctx.app.scissor_test() && !ctx.app.scissor().contains(LowerLeftRect::of_size(size));
     ctx.view_copies.framebuffers[index].has_scene &= part;
     if !enter(ctx, index) {
         return false;

@@ -1,5 +1,6 @@
 //! What the program does with its images: it deletes them, uploads texels and reads them back.
 
+use crate::correct::Size;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::view_copies::{
     copy_count, destroy_view_copy, leave, own_tile, supply, without_scissor,
@@ -42,7 +43,7 @@ pub fn forget_renderbuffer(ctx: &mut Context, renderbuffer: u32) {
 }
 
 /// True if a followed texture has this size and format already, so that nothing changes.
-pub fn is_alike(view_copies: &ViewCopies, texture: u32, level: i32, size: [i32; 2]) -> bool {
+pub fn is_alike(view_copies: &ViewCopies, texture: u32, level: i32, size: Size) -> bool {
     let images = view_copies.images.iter();
     let mut same = images.filter(|image| matches!(image.name, Name::Texture { level: own, .. } if own == level));
     same.any(|image| image.is_texture(texture) && image.size == size)

@@ -6,7 +6,7 @@
 //! without any draw are not corrected either
 //! ([`cleared_views`](crate::intercept::gl::state::drawable::cleared_views)).
 
-use crate::correct::{LowerLeftRect, TexelSpan};
+use crate::correct::{LowerLeftRect, Size, TexelSpan};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::per_view::culling::bounds::{PicturePart, PlacedBox, extent, outside};
 use crate::intercept::gl::per_view::culling::position::{self, View};
@@ -114,10 +114,10 @@ impl KnownDraw {
     }
 
     /// Tests the view `index`, whose picture has `size` pixels.
-    fn look(&self, compat: &Compat, frame: &Frame, session: &Session, index: usize, size: [i32; 2]) -> ViewLook {
+    fn look(&self, compat: &Compat, frame: &Frame, session: &Session, index: usize, size: Size) -> ViewLook {
         let (_, own_lens) = session.tile(index);
         let view = position::of_view(compat, frame, self.class, index).filter(|_| !own_lens);
-        let beside = DVec2::from(size.map(|pixels| 2.0 * self.spread / f64::from(pixels.max(1))));
+        let beside = 2.0 * self.spread / size.to_vector().max(DVec2::ONE);
         let unseen = view.as_ref().is_some_and(|view| outside(view, &self.placed, beside));
         ViewLook { view, unseen }
     }

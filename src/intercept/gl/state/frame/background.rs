@@ -5,7 +5,7 @@ use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::scene::frame_order::FrameOrder;
 use crate::intercept::scene::viewport::parts::PanelPart;
 use crate::runtime::session::{ClipRows, Session};
-use glam::DMat4;
+use glam::{DMat4, DVec2, DVec3};
 
 /// Least w of a point in a view. A point with a smaller w is outside of the view.
 const LEAST_W: f64 = 1e-6;
@@ -60,27 +60,27 @@ impl Background {
     /// those points of the part that are in front of the eye.
     pub fn within(&self, view: usize, tile: LowerLeftRect) -> LowerLeftRect {
         let Some(reprojection) = self.reprojections.get(view) else { return tile };
-        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| {
-            [&reprojection.x, &reprojection.y, &reprojection.w].map(|row: &[f64; 4]| row[0] * x + row[1] * y + row[2])
-        });
-        let (mut least, mut most) = ([1.0_f64; 2], [-1.0_f64; 2]);
-        for (i, from) in corners.iter().enumerate() {
-            let to = &corners[(i + 1) % 4];
+        // x, y and w of clip coordinates.
+        let clip = |[x, y]: [f64; 2]| {
+            let rows = [reprojection.x, reprojection.y, reprojection.w];
+            DVec3::from(rows.map(|[of_x, of_y, of_w, _]| of_x * x + of_y * y + of_w))
+        };
+        let is_ahead = |point: DVec3| point.z > LEAST_W;
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(clip);
+        let (mut least, mut most) = (DVec2::ONE, DVec2::NEG_ONE);
+        for (from, to) in corners.into_iter().zip(corners.into_iter().cycle().skip(1)) {
             // The corner, and the point at which the side to the next corner crosses the plane of
             // the eye.
-            let crosses = (from[2] > LEAST_W) != (to[2] > LEAST_W);
-            let part = if crosses { (LEAST_W - from[2]) / (to[2] - from[2]) } else { 0.0 };
-            let crossing: [f64; 3] = std::array::from_fn(|k| from[k] + part * (to[k] - from[k]));
-            for [x, y, w] in [(*from, from[2] > LEAST_W), (crossing, crosses)].iter().filter(|c| c.1).map(|c| c.0) {
-                for (axis, at) in [x / w, y / w].into_iter().enumerate() {
-                    least[axis] = least[axis].min(at.clamp(-1.0, 1.0));
-                    most[axis] = most[axis].max(at.clamp(-1.0, 1.0));
-                }
+            let crossing =
+                (is_ahead(from) != is_ahead(to)).then(|| from + (LEAST_W - from.z) / (to.z - from.z) * (to - from));
+            for point in [Some(from).filter(|from| is_ahead(*from)), crossing].into_iter().flatten() {
+                let at = (point.truncate() / point.z).clamp(DVec2::NEG_ONE, DVec2::ONE);
+                (least, most) = (least.min(at), most.max(at));
             }
         }
-        let place = |at: f64, length: i32| (0.5 + 0.5 * at) * f64::from(length);
-        let [x, y] = [place(least[0], tile.width), place(least[1], tile.height)].map(|at| at.floor() as i32);
-        let [right, top] = [place(most[0], tile.width), place(most[1], tile.height)].map(|at| at.ceil() as i32);
+        let place = |at: DVec2| (0.5 + 0.5 * at) * tile.size().to_vector();
+        let [x, y] = place(least).to_array().map(|at| at.floor() as i32);
+        let [right, top] = place(most).to_array().map(|at| at.ceil() as i32);
         LowerLeftRect::new(tile.x + x, tile.y + y, (right - x).max(0), (top - y).max(0))
     }
 

@@ -29,6 +29,13 @@ use glam::DMat4;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
+/// Area of the largest viewport that a scene was drawn to.
+#[derive(Default)]
+struct LargestViewport {
+    in_this_frame: i64,
+    in_last_frame: i64,
+}
+
 /// State of a window's frames.
 #[derive(Default)]
 pub struct Frame {
@@ -40,8 +47,7 @@ pub struct Frame {
     cameras: Cameras,
     /// The lens of the last draw of the scene.
     lens: Option<Intrinsics>,
-    /// Area of the largest viewport that a scene was drawn to: in this frame, and in the last one.
-    viewport_area: [i64; 2],
+    largest_viewport: LargestViewport,
     /// Number of draws.
     draw_count: DrawCount,
     /// Limit of the flushes of the front buffer that are answered.
@@ -308,9 +314,9 @@ impl Frame {
     }
 
     /// Notes a viewport that a scene is drawn to.
-    pub fn note_viewport(&mut self, LowerLeftRect { width, height, .. }: LowerLeftRect) {
-        let area = i64::from(width) * i64::from(height);
-        self.viewport_area[0] = self.viewport_area[0].max(area);
+    pub fn note_viewport(&mut self, viewport: LowerLeftRect) {
+        let largest = &mut self.largest_viewport.in_this_frame;
+        *largest = viewport.size().area().max(*largest);
     }
 
     /// Notes that a scene is shown in the window.
@@ -332,26 +338,28 @@ impl Frame {
 
     /// Forgets the viewports, as the window may have another size now.
     pub fn forget_viewports(&mut self) {
-        self.viewport_area = [0; 2];
+        self.largest_viewport = LargestViewport::default();
     }
 
     /// Returns the area of the program's main viewport; 0 = not known. It is the largest viewport of
     /// the last frame. In the first frame, and after a change of the window's size, it is the
     /// largest viewport so far in the present frame.
     pub fn main_area(&self) -> i64 {
-        if self.viewport_area[1] > 0 { self.viewport_area[1] } else { self.viewport_area[0] }
+        let LargestViewport { in_this_frame, in_last_frame } = self.largest_viewport;
+        if in_last_frame > 0 { in_last_frame } else { in_this_frame }
     }
 
     /// True if a scene was drawn in this frame or in the last one.
     pub fn has_scene(&self) -> bool {
-        self.viewport_area.iter().any(|area| *area > 0)
+        self.main_area() > 0
     }
 
     /// Ends the frame.
     pub fn end(&mut self) {
         self.cameras.end_frame();
         self.background.end_frame();
-        self.viewport_area = [0, self.viewport_area[0]];
+        let in_last_frame = self.largest_viewport.in_this_frame;
+        self.largest_viewport = LargestViewport { in_this_frame: 0, in_last_frame };
         self.begun = false;
         self.scene_off_screen = false;
         self.draw_count.end_frame(self.counts.draws_seen);

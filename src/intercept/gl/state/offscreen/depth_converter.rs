@@ -3,7 +3,7 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
 use crate::backend::gl::objects::framebuffers::{FramebufferBindings, blit};
-use crate::correct::BlitRect;
+use crate::correct::{BlitRect, Size};
 use crate::intercept::gl::state::offscreen::images::{self, Name, with_texture};
 
 /// A depth texture of Cupola, and a framebuffer with this texture alone. `glBlitFramebuffer` copies
@@ -11,21 +11,21 @@ use crate::intercept::gl::state::offscreen::images::{self, Name, with_texture};
 pub struct DepthConverter {
     framebuffer: u32,
     texture: u32,
-    size: [i32; 2],
+    size: Size,
     format: u32,
 }
 
 impl DepthConverter {
-    /// Returns a converter for rectangles of this size (width, height) of the read framebuffer,
+    /// Returns a converter for rectangles of this size of the read framebuffer,
     /// into this sized format. Bindings are put back; errors may be left. `None` if the driver
     /// gives none.
-    pub fn new(gl: &Gl, size: [i32; 2], format: u32) -> Option<Self> {
+    pub fn new(gl: &Gl, size: Size, format: u32) -> Option<Self> {
         let mut converter = Self { framebuffer: 0, texture: own_names::texture(gl), size, format };
         let level = Name::Texture { name: converter.texture, target: api::GL_TEXTURE_2D, level: 0 };
         with_texture(gl, api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D, converter.texture, || {
             // SAFETY: gives Cupola's texture storage. A copy reads no memory of the program,
             // whatever is bound there.
-            unsafe { gl.copy_tex_image2_d(api::GL_TEXTURE_2D, 0, format, 0, 0, size[0], size[1], 0) };
+            unsafe { gl.copy_tex_image2_d(api::GL_TEXTURE_2D, 0, format, 0, 0, size.width, size.height, 0) };
         });
         // SAFETY: makes an object of Cupola; the bindings are put back.
         let complete = unsafe {
@@ -47,7 +47,7 @@ impl DepthConverter {
     }
 
     /// True if the converter is for this size and format.
-    pub fn is(&self, size: [i32; 2], format: u32) -> bool {
+    pub fn is(&self, size: Size, format: u32) -> bool {
         self.size == size && self.format == format
     }
 
@@ -59,7 +59,7 @@ impl DepthConverter {
     /// Copies the rectangle `from` of the read framebuffer, which has the converter's size, to the
     /// rectangle `to` of the draw framebuffer. Bindings are put back.
     pub fn convert(&self, gl: &Gl, from: BlitRect, to: BlitRect) {
-        let ([x, y], [width, height]) = (from.unmirrored().origin(), self.size);
+        let ([x, y], Size { width, height }) = (from.unmirrored().origin(), self.size);
         with_texture(gl, api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D, self.texture, || {
             // SAFETY: Cupola's texture is bound.
             unsafe { gl.copy_tex_sub_image2_d(api::GL_TEXTURE_2D, 0, 0, 0, x, y, width, height) };

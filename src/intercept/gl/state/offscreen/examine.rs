@@ -1,6 +1,7 @@
 //! Examination of images: the facts that the driver gives of a texture or a renderbuffer.
 
 use crate::backend::gl::driver::api::{self, Gl};
+use crate::correct::Size;
 use crate::intercept::gl::state::offscreen::images::{Image, Name, with_texture};
 
 /// Returns the sized format for a format that leaves its size to the driver. `red` and `depth` are
@@ -96,7 +97,7 @@ impl Image {
         }
         (width > 0 && height > 0).then(|| Self {
             name,
-            size: [width, height],
+            size: Size::new(width, height),
             samples,
             format: sized(format as u32, red, depth),
             mask,

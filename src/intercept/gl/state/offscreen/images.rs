@@ -5,7 +5,7 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
 use crate::backend::gl::objects::framebuffers::{FramebufferBindings, blit};
 use crate::backend::gl::objects::surface::greatest_texture;
-use crate::correct::LowerLeftRect;
+use crate::correct::{LowerLeftRect, Size};
 use crate::intercept::gl::state::offscreen::tile_grid::TileGrid;
 
 /// An image of the program.
@@ -29,7 +29,7 @@ pub struct Image {
     /// Its name.
     pub name: Name,
     /// Width and height.
-    pub size: [i32; 2],
+    pub size: Size,
     /// Samples per pixel; 0 = not multisampled.
     pub samples: i32,
     /// Its sized internal format.
@@ -115,7 +115,7 @@ impl Image {
     /// bindings are put back; errors may be left. Returns false if the driver gives none.
     pub fn make_view_copy(&mut self, gl: &Gl, context: u64, count: usize) -> bool {
         let grid = TileGrid::new(self.size, count);
-        let [width, height] = grid.extent(count);
+        let Size { width, height } = grid.extent(count);
         if width.max(height) as u32 > greatest_texture(gl) {
             return false;
         }

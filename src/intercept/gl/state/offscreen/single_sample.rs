@@ -4,20 +4,21 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
 use crate::backend::gl::objects::framebuffers::FramebufferBindings;
+use crate::correct::Size;
 use crate::intercept::gl::state::offscreen::images::{self, Name};
 
 /// A framebuffer with colours only.
 pub struct SingleSampleImage {
     framebuffer: u32,
     renderbuffer: u32,
-    size: [i32; 2],
+    size: Size,
     format: u32,
 }
 
 impl SingleSampleImage {
-    /// Returns a picture of this size (width, height) and sized format. Bindings are put back;
+    /// Returns a picture of this size and sized format. Bindings are put back;
     /// errors may be left. `None` if the driver gives none.
-    pub fn new(gl: &Gl, size: [i32; 2], format: u32) -> Option<Self> {
+    pub fn new(gl: &Gl, size: Size, format: u32) -> Option<Self> {
         let mut canvas = Self { framebuffer: 0, renderbuffer: 0, size, format };
         // SAFETY: makes objects of Cupola; the bindings are put back.
         let complete = unsafe {
@@ -26,7 +27,7 @@ impl SingleSampleImage {
             gl.get_integerv(api::GL_RENDERBUFFER_BINDING, &mut bound);
             canvas.renderbuffer = own_names::renderbuffer(gl);
             gl.bind_renderbuffer(api::GL_RENDERBUFFER, canvas.renderbuffer);
-            gl.renderbuffer_storage(api::GL_RENDERBUFFER, format, size[0], size[1]);
+            gl.renderbuffer_storage(api::GL_RENDERBUFFER, format, size.width, size.height);
             gl.bind_renderbuffer(api::GL_RENDERBUFFER, bound as u32);
             canvas.framebuffer = own_names::framebuffer(gl);
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, canvas.framebuffer);
@@ -48,7 +49,7 @@ impl SingleSampleImage {
     }
 
     /// True if the picture has this size and format.
-    pub fn is(&self, size: [i32; 2], format: u32) -> bool {
+    pub fn is(&self, size: Size, format: u32) -> bool {
         self.size == size && self.format == format
     }
 

@@ -40,7 +40,7 @@ pub unsafe fn measure(
     issue: &dyn Fn(),
 ) {
     let (functions, own) = (&tiles.device.driver.functions, tiles.program.scissor);
-    let picture = Picture { size: [layout.window.0 as i32, layout.window.1 as i32], samples: 1 };
+    let picture = Picture { size: layout.window.into(), samples: 1 };
     let whole = AtlasRect::from(picture.whole());
     let cut = |arm: AtlasRect| {
         let vk::Rect2D { offset, extent } = cut_to_tile(&own, whole, layout.window);

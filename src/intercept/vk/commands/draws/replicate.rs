@@ -37,6 +37,7 @@ use crate::intercept::vk::state::recording::{Event, Recording, count_draw};
 use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, ViewTile};
 use crate::intercept::vk::state::views::view_constants::ChunkOffset;
 use ash::vk;
+use glam::Vec2;
 use std::sync::Arc;
 
 /// A draw of the program.
@@ -262,7 +263,7 @@ fn shown_layout(device: &Device, recording: &Recording, (set, binding): Descript
 /// Returns the area that a viewport covers, also if its height is negative.
 fn area(viewport: &vk::Viewport) -> Area {
     let top = viewport.y + viewport.height.min(0.0);
-    Area { origin: [viewport.x, top], size: [viewport.width, viewport.height.abs()] }
+    Area { origin: Vec2::new(viewport.x, top), size: Vec2::new(viewport.width, viewport.height.abs()) }
 }
 
 /// Notes the use of images that may hold a scene: the pass draws, and the draw's shaders can sample

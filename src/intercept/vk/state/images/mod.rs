@@ -58,11 +58,6 @@ pub struct Images {
     pub(in crate::intercept::vk) own_read: AtomicBool,
 }
 
-/// True if an image has the shape of a window, at any size.
-fn has_shape((width, height): (u32, u32), window: (u32, u32)) -> bool {
-    viewport::has_shape(width.into(), height.into(), window)
-}
-
 impl Images {
     /// Returns the target that the image of a view belongs to.
     pub fn target(&self, view: vk::ImageView) -> Option<Arc<ViewTarget>> {
@@ -158,7 +153,7 @@ impl Images {
     /// True if an image has the shape of the window.
     pub fn is_window_shaped(&self, image: vk::Image) -> bool {
         let window = *self.window.locked();
-        self.size(image).zip(window).is_some_and(|(size, window)| has_shape(size, window))
+        self.size(image).zip(window).is_some_and(|(size, window)| viewport::has_shape(size, window))
     }
 
     /// True if an image may be a scene in a part of the window: passes draw to it, it has colours,
@@ -173,12 +168,12 @@ impl Images {
 
     /// True if an image of this size may be a scene that fills this large part of a window: it has
     /// the part's shape. Windows that show the program's own picture need no scene.
-    pub fn may_fill_part(&self, (width, height): (u32, u32), part: AtlasRect, window: &AtlasLayout) -> bool {
+    pub fn may_fill_part(&self, size: (u32, u32), part: AtlasRect, window: &AtlasLayout) -> bool {
         let (rect, whole) = (LowerLeftRect::from(part), LowerLeftRect::of_size(window.window));
         rect != whole
             && whole.contains(rect)
             && rect.is_most_of(window.window)
-            && has_shape((width, height), (part.width.max(0) as u32, part.height.max(0) as u32))
+            && viewport::has_shape(size, rect.size())
             && window.views.iter().all(|view| !view.own_lens)
     }
 
@@ -190,8 +185,8 @@ impl Images {
     /// True if a picture of this size has the shape of the window, or of a part of it that images
     /// fill.
     fn has_shown_shape(&self, size: (u32, u32)) -> bool {
-        let of_window = self.window.locked().is_some_and(|window| has_shape(size, window));
-        of_window || self.parts.locked().of_shape(size.0.into(), size.1.into()).is_some()
+        let of_window = self.window.locked().is_some_and(|window| viewport::has_shape(size, window));
+        of_window || self.parts.locked().of_shape(size).is_some()
     }
 
     /// True if an image may hold a scene on its way to the window: it has the shape of the window or
@@ -209,12 +204,10 @@ impl Images {
     /// True if an image is large enough for perspective draws for the window. Small images of a
     /// blur around bright parts are not.
     pub fn is_large(&self, image: vk::Image) -> bool {
-        let Some((width, height)) = self.size(image).map(|(width, height)| (width.into(), height.into())) else {
-            return false;
-        };
+        let Some(size) = self.size(image) else { return false };
         let window = *self.window.locked();
-        window.is_some_and(|window| viewport::has_shape_of_window(width, height, window))
-            || self.parts.locked().of(width, height).is_some()
+        window.is_some_and(|window| viewport::has_shape_of_window(size, window))
+            || self.parts.locked().of(size).is_some()
             || self.is_shown_small(image)
     }
 

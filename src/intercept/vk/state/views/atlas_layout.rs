@@ -2,7 +2,7 @@
 
 use crate::correct::projected::matrices::LensConstants;
 use crate::correct::single::pixels;
-use crate::correct::{LowerLeftRect, PixelRect, Plan, UpperLeftRect};
+use crate::correct::{LowerLeftRect, PixelRect, Plan, Size, UpperLeftRect};
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::scene::to_window::Area;
 use crate::intercept::scene::viewport::parts::PanelPart;
@@ -39,7 +39,7 @@ impl From<AtlasRect> for LowerLeftRect {
 
 impl From<AtlasRect> for Area {
     fn from(AtlasRect { x, y, width, height }: AtlasRect) -> Self {
-        Self { origin: [x, y].map(pixels), size: [width, height].map(pixels) }
+        Self { origin: [x, y].map(pixels).into(), size: [width, height].map(pixels).into() }
     }
 }
 
@@ -206,9 +206,9 @@ impl AtlasLayout {
     /// Returns the part of the panel on which its flat drawing is shown.
     pub fn panel_part(&self) -> PanelPart {
         let of = |part: AtlasRect| {
-            let (width, height) = self.session.window();
-            let below = height as i32 - part.y - part.height;
-            PanelPart::of(LowerLeftRect { y: below, ..part.into() }, [width as i32, height as i32])
+            let window = Size::from(self.session.window());
+            let below = window.height - part.y - part.height;
+            PanelPart::of(LowerLeftRect { y: below, ..part.into() }, window)
         };
         self.part.map_or_else(PanelPart::default, of)
     }
