@@ -75,7 +75,9 @@ window.probe = (() => {
 
   // Random changes of keys. Every second change is wrong. The right changes move the picture only a little.
   probe.edits = async count => {
-    const start = await command({ do: 'keys' });
+    // All changes are near the first values, so that the memory of later rigs is comparable.
+    probe.firstKeys ??= await command({ do: 'keys' });
+    const start = probe.firstKeys;
     const gentle = start.filter(key => key.type === 'number' && !key.count && key.value !== null && /\.(yaw|pitch|roll)$/.test(key.key) ||
       /\.blend\.(gamma|ramp)$|^viewer\.position$|^views\.quality$/.test(key.key));
     const right = key => {

@@ -10,10 +10,20 @@ use std::sync::Mutex;
 
 static SEEN: Mutex<Option<HashSet<String>>> = Mutex::new(None);
 
+/// Greatest number of warnings that are remembered. A rig that is changed for hours makes more.
+const MOST_REMEMBERED: usize = 10_000;
+
 /// Logs a warning the first time; repetitions are left out.
 pub fn once(text: &str) {
-    let fresh = SEEN.locked().get_or_insert_with(HashSet::new).insert(text.to_owned());
-    if fresh {
+    let is_new = {
+        let mut seen = SEEN.locked();
+        let seen = seen.get_or_insert_with(HashSet::new);
+        if seen.len() == MOST_REMEMBERED {
+            seen.clear();
+        }
+        seen.insert(text.to_owned())
+    };
+    if is_new {
         message::set_default(write);
         ::log::warn!(target: message::INTERCEPT, "{text}");
     }
