@@ -164,6 +164,8 @@ pub fn crashes_mesa(line: &str, draws: bool) -> bool {
         "glBindImageTextures" | "glGetInternalformati64v" => arguments.contains(&"-1"),
         // The matrix of textures, of a unit without coordinates.
         _ if name.starts_with("glMatrix") && name.ends_with("EXT") => arguments.first() == Some(&"0x1702"),
+        // A list with a text of this length frees memory of others when it is replaced.
+        "glProgramStringARB" | "glNamedProgramStringEXT" => arguments.iter().rev().nth(1) == Some(&"-1"),
         _ if name.contains("NamedProgramLocalParameter") => arguments.get(2).is_some_and(|index| *index == "-1"),
         _ => !draws && ["glArrayElement", "glBitmap", "glRasterPos"].iter().any(|start| name.starts_with(start)),
     }
@@ -179,6 +181,8 @@ mod tests {
         assert!(!crashes_mesa("v glBindImageTextures 80 1 [nt0", true));
         assert!(crashes_mesa("v glNamedProgramLocalParameter4dvEXT %p2 0x9083 -1 [d0.25", true));
         assert!(crashes_mesa("v glBitmap 0 64 f1 f64 f0.5 f-0.5 @u0", false));
+        assert!(crashes_mesa("v glProgramStringARB 0x86cd 0x86d2 -1 ~16", true));
+        assert!(!crashes_mesa("v glProgramStringARB 0x86cd 0x86d2 16 ~16", true));
         assert!(crashes_mesa("v glMatrixLoadIdentityEXT 0x1702", true));
         assert!(!crashes_mesa("v glBitmap 0 64 f1 f64 f0.5 f-0.5 @u0", true));
         assert!(!crashes_mesa("v glArrayElement 7", true) && !crashes_mesa("ask", false));
