@@ -77,20 +77,7 @@ static bool copies(void)
 
 static void make_layouts(void)
 {
-    const VkDescriptorType kind = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-    const VkDescriptorSetLayoutBinding binding = {0, kind, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL};
-    const VkDescriptorSetLayoutCreateInfo of_set = {
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 1, .pBindings = &binding};
-    expect(vkCreateDescriptorSetLayout(w.device, &of_set, NULL, &set_layout), "vkCreateDescriptorSetLayout");
-    const VkDescriptorPoolSize count = {kind, 1};
-    const VkDescriptorPoolCreateInfo of_pool = {
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 1, .poolSizeCount = 1, .pPoolSizes = &count};
-    expect(vkCreateDescriptorPool(w.device, &of_pool, NULL, &descriptors), "vkCreateDescriptorPool");
-    const VkDescriptorSetAllocateInfo allocate = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
-                                                  .descriptorPool = descriptors,
-                                                  .descriptorSetCount = 1,
-                                                  .pSetLayouts = &set_layout};
-    expect(vkAllocateDescriptorSets(w.device, &allocate, &set), "vkAllocateDescriptorSets");
+    make_one_descriptor(&w, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, &set_layout, &descriptors, &set);
     const VkSamplerCreateInfo filter = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
                                         .magFilter = VK_FILTER_LINEAR,
                                         .minFilter = VK_FILTER_LINEAR,

@@ -100,25 +100,12 @@ static void make_pass(void)
 
 static void make_layouts(void)
 {
-    const VkDescriptorType kind = VK_DESCRIPTOR_TYPE_INPUT_ATTACHMENT;
-    const VkDescriptorSetLayoutBinding binding = {0, kind, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL};
-    const VkDescriptorSetLayoutCreateInfo of_set = {
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 1, .pBindings = &binding};
-    expect(vkCreateDescriptorSetLayout(w.device, &of_set, NULL, &set_layout), "vkCreateDescriptorSetLayout");
-    const VkDescriptorPoolSize size = {kind, 1};
-    const VkDescriptorPoolCreateInfo of_pool = {
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 1, .poolSizeCount = 1, .pPoolSizes = &size};
-    expect(vkCreateDescriptorPool(w.device, &of_pool, NULL, &descriptors), "vkCreateDescriptorPool");
-    const VkDescriptorSetAllocateInfo allocate = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
-                                                  .descriptorPool = descriptors,
-                                                  .descriptorSetCount = 1,
-                                                  .pSetLayouts = &set_layout};
-    expect(vkAllocateDescriptorSets(w.device, &allocate, &set), "vkAllocateDescriptorSets");
+    make_one_descriptor(&w, VK_DESCRIPTOR_TYPE_INPUT_ATTACHMENT, &set_layout, &descriptors, &set);
     const VkDescriptorImageInfo image = {VK_NULL_HANDLE, scene.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
     const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                         .dstSet = set,
                                         .descriptorCount = 1,
-                                        .descriptorType = kind,
+                                        .descriptorType = VK_DESCRIPTOR_TYPE_INPUT_ATTACHMENT,
                                         .pImageInfo = &image};
     vkUpdateDescriptorSets(w.device, options.input ? 1 : 0, &write, 0, NULL);
     const VkPushConstantRange range = {VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(matrix4)};

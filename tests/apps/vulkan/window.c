@@ -368,3 +368,21 @@ void free_block(const vulkan_window *w, block *b)
     vkDestroyBuffer(w->device, b->buffer, NULL);
     vkFreeMemory(w->device, b->memory, NULL);
 }
+
+void make_one_descriptor(const vulkan_window *w, VkDescriptorType kind, VkDescriptorSetLayout *layout,
+                         VkDescriptorPool *pool, VkDescriptorSet *set)
+{
+    const VkDescriptorSetLayoutBinding binding = {0, kind, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL};
+    const VkDescriptorSetLayoutCreateInfo of_set = {
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 1, .pBindings = &binding};
+    expect(vkCreateDescriptorSetLayout(w->device, &of_set, NULL, layout), "vkCreateDescriptorSetLayout");
+    const VkDescriptorPoolSize count = {kind, 1};
+    const VkDescriptorPoolCreateInfo of_pool = {
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 1, .poolSizeCount = 1, .pPoolSizes = &count};
+    expect(vkCreateDescriptorPool(w->device, &of_pool, NULL, pool), "vkCreateDescriptorPool");
+    const VkDescriptorSetAllocateInfo allocate = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                                  .descriptorPool = *pool,
+                                                  .descriptorSetCount = 1,
+                                                  .pSetLayouts = layout};
+    expect(vkAllocateDescriptorSets(w->device, &allocate, set), "vkAllocateDescriptorSets");
+}

@@ -89,4 +89,8 @@ void free_picture(const vulkan_window *w, picture *p);
 block make_block(const vulkan_window *w, VkDeviceSize size, VkBufferUsageFlags usage, bool of_host);
 void free_block(const vulkan_window *w, block *b);
 
+/* Makes a descriptor set with one descriptor, which fragment shaders read, its layout, and its pool. */
+void make_one_descriptor(const vulkan_window *w, VkDescriptorType kind, VkDescriptorSetLayout *layout,
+                         VkDescriptorPool *pool, VkDescriptorSet *set);
+
 #endif
