@@ -174,8 +174,8 @@ impl ClipRows {
     /// direction (to the right, up, ahead) in the camera's axes of a program with lens `p`. A
     /// motion of the eye is ignored: the direction is used for far objects only.
     pub fn directions(&self, p: &Intrinsics) -> DMat3 {
-        let row = |row: &[f64; 4]| DVec3::new(row[0], row[1], row[2]);
-        let to_view = DMat3::from_cols(row(&self.x), row(&self.y), row(&self.w)).transpose();
+        let row = |[x, y, w, _]: [f64; 4]| DVec3::new(x, y, w);
+        let to_view = DMat3::from_cols(row(self.x), row(self.y), row(self.w)).transpose();
         let eye = DMat3::from_cols(DVec3::X / p.a, DVec3::Y / p.c, DVec3::new(p.b / p.a, p.d / p.c, 1.0));
         eye * to_view.inverse()
     }
@@ -224,7 +224,8 @@ impl ClipRows {
     /// the distance along the view's axis divided by that along the program's (w'/w). Valid only if
     /// the eye is not moved.
     pub fn own_depth(&self, depth: f64, farther: f64) -> f64 {
-        ((depth - self.depth[1]) / self.depth[0] + self.e) * farther - self.e
+        let [factor, offset] = self.depth;
+        ((depth - offset) / factor + self.e) * farther - self.e
     }
 
     /// Returns the rows as one 4×4 matrix, to be multiplied from the left to the program's

@@ -188,7 +188,8 @@ impl Accumulation {
                 gl.clear_bufferfv(api::GL_COLOR, 0, colour.as_ptr());
             }
             gl.disable(api::GL_SCISSOR_TEST);
-            gl.scissor(scissor[0], scissor[1], scissor[2], scissor[3]);
+            let [x, y, width, height] = scissor;
+            gl.scissor(x, y, width, height);
         }
         state::restore(gl, &self.caps, &saved);
     }

@@ -45,7 +45,8 @@ impl ReprojectionMatrix {
 
     /// Rounds the rows of a reprojection.
     pub fn of(rows: &ClipRows) -> Self {
-        let [pole, factor, offset] = single::values([rows.e, rows.depth[0], rows.depth[1]]);
+        let [factor, offset] = rows.depth;
+        let [pole, factor, offset] = single::values([rows.e, factor, offset]);
         let depth = DepthTerms { pole, factor, offset, to_lens: f32::from(u8::from(rows.curved)) };
         Self { x: single::values(rows.x), y: single::values(rows.y), w: single::values(rows.w), depth }
     }

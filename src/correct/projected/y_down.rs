@@ -37,11 +37,11 @@ mod tests {
         let rows = ReprojectionMatrix::from_array(std::array::from_fn(|i| (i * 7 % 11) as f32 - 4.0));
         // The shader's formula.
         let apply = |rows: &ReprojectionMatrix, [x, y, z, w]: [f32; 4]| {
-            let rows = rows.to_array();
-            let q = z + rows[12] * w;
-            let dot = |row: usize| rows[row] * x + rows[row + 1] * y + rows[row + 2] * w + rows[row + 3] * q;
-            let new_w = dot(8);
-            [dot(0), dot(4), rows[13] * (q - rows[12] * new_w) + rows[14] * new_w, new_w]
+            let depth = rows.depth;
+            let q = z + depth.pole * w;
+            let dot = |[of_x, of_y, of_w, of_q]: [f32; 4]| of_x * x + of_y * y + of_w * w + of_q * q;
+            let new_w = dot(rows.w);
+            [dot(rows.x), dot(rows.y), depth.factor * (q - depth.pole * new_w) + depth.offset * new_w, new_w]
         };
         let [x, y, z, w] = apply(&rows, [0.5, -1.5, 0.25, 2.0]);
         assert_eq!(apply(&rows.y_down(), [0.5, 1.5, 0.25, 2.0]), [x, -y, z, w]);

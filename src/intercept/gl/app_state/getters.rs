@@ -52,11 +52,10 @@ fn app_state_answer(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
     }
 }
 
-/// Converts a raster position of the driver to the program's window.
-fn raster_position(compat: &Compat, values: &mut [f64; 4]) {
-    let [x, y] = compat.raster_origin();
-    values[0] -= f64::from(x);
-    values[1] -= f64::from(y);
+/// Returns the place of a raster position of the driver in the program's window.
+fn raster_position(compat: &Compat, [x, y, _, _]: [f64; 4]) -> [f64; 2] {
+    let [left, bottom] = compat.raster_origin().map(f64::from);
+    [x - left, y - bottom]
 }
 
 /// True if the driver answers a question. `ask` asks the question, with room for the answer. A
@@ -66,9 +65,10 @@ pub(super) fn is_answered<T>(ask: impl FnOnce(*mut T)) -> bool {
     const UNUSED: u64 = 0xa5a5_a5a5_a5a5_a5a5;
     let mut room = [UNUSED; 64];
     ask(room.as_mut_ptr().cast());
+    let [first, ..] = room;
     // The types of answers have at most eight bytes.
     let unused = u64::MAX >> (64 - 8 * size_of::<T>());
-    (room[0] ^ UNUSED) & unused != 0
+    (first ^ UNUSED) & unused != 0
 }
 
 macro_rules! getters {
@@ -83,9 +83,9 @@ macro_rules! getters {
                     if answered && ctx.compat.raster_origin() != [0; 2] {
                         let mut position = [0.0; 4];
                         gl.get_doublev(name, position.as_mut_ptr());
-                        raster_position(&ctx.compat, &mut position);
-                        *values = $convert(position[0]);
-                        *values.add(1) = $convert(position[1]);
+                        for (i, value) in raster_position(&ctx.compat, position).into_iter().enumerate() {
+                            *values.add(i) = $convert(value);
+                        }
                     }
                 } else if let Some(matrix) = wide_projection::answer(&ctx.drawable, &mut ctx.compat, gl, name) {
                     for (i, value) in matrix.to_cols_array().into_iter().enumerate() {

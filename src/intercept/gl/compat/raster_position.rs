@@ -24,11 +24,11 @@ use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::scene::query_scaling::QueryScaling;
-use glam::{DMat4, DVec4};
+use glam::{DMat4, DVec3, DVec4, Vec2};
 use std::ffi::c_void;
 
 /// `glRasterPos`.
-pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
+pub fn set_position(ctx: &mut Context, object: DVec4) {
     let gl = ctx.driver.gl;
     let old = ctx.compat.raster.forget();
     if ctx.redirected() && !ctx.app.picking() {
@@ -44,7 +44,7 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
             };
             ctx.compat.projection.copy_views_to(&mut ctx.compat.raster.projections);
             ctx.compat.raster.scene =
-                Some(ScenePosition { object, model_view, color: [0.0; 4], texture, depths, moved: [0.0; 2] });
+                Some(ScenePosition { object, model_view, color: [0.0; 4], texture, depths, moved: Vec2::ZERO });
             // The driver's own state is set too, for the program's queries, as in the program's
             // window.
             ctx.set_viewport(ctx.app.viewport());
@@ -56,7 +56,7 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
         ctx.set_viewport(ctx.app.viewport());
     }
     // SAFETY: the program's own call.
-    unsafe { gl.raster_pos4d(object[0], object[1], object[2], object[3]) };
+    unsafe { gl.raster_pos4dv(object.as_ref().as_ptr()) };
     if !is_valid(gl) {
         // A clipped position leaves the driver's coordinates unchanged.
         ctx.compat.raster.origin = old;
@@ -69,7 +69,7 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
 
 /// Returns the lit colour of the raster position. If the position is clipped in the program's
 /// window, OpenGL has computed no lit colour, so the position is set again where it is not clipped.
-fn taken_color(driver: &Driver, app: &AppState, compat: &Compat, object: [f64; 4]) -> [f32; 4] {
+fn taken_color(driver: &Driver, app: &AppState, compat: &Compat, object: DVec4) -> [f32; 4] {
     let gl = driver.gl;
     let mut color = [0.0; 4];
     // SAFETY: writes four floats. The current values, including the raster position, are pushed and
@@ -87,7 +87,7 @@ fn taken_color(driver: &Driver, app: &AppState, compat: &Compat, object: [f64; 4
         // This matrix moves every position to the middle of the picture.
         let middle = DMat4::from_diagonal(DVec4::W);
         projection::load(driver.gl, app.matrix_mode(), &middle);
-        gl.raster_pos4d(object[0], object[1], object[2], object[3]);
+        gl.raster_pos4dv(object.as_ref().as_ptr());
         if is_valid(gl) {
             gl.get_floatv(api::GL_CURRENT_RASTER_COLOR, color.as_mut_ptr());
         }
@@ -98,12 +98,12 @@ fn taken_color(driver: &Driver, app: &AppState, compat: &Compat, object: [f64; 4
 }
 
 /// `glWindowPos`.
-pub fn set_window_position(ctx: &mut Context, position: [f64; 3]) {
+pub fn set_window_position(ctx: &mut Context, position: DVec3) {
     ctx.compat.raster.forget();
     if ctx.redirected() && !ctx.app.picking() {
         ctx.compat.raster.origin = flat_window_space(ctx);
     }
-    let [x, y, z] = position;
+    let DVec3 { x, y, z } = position;
     let [left, bottom] = ctx.compat.raster.origin.map(f64::from);
     // SAFETY: the program's own call, moved to the panel.
     unsafe { ctx.driver.gl.window_pos3d(x + left, y + bottom, z) };
@@ -165,7 +165,7 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
     ctx.set_scissor(Some(LowerLeftRect::default()));
     issue(gl);
     let after = raster_position(gl);
-    position.moved = [position.moved[0] + after[0] - before[0], position.moved[1] + after[1] - before[1]];
+    position.moved = position.moved + after - before;
     ctx.compat.raster.scene = Some(position);
     ctx.drawable.put_target(target);
 }
@@ -223,11 +223,10 @@ fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
         scaling::scale(ctx.driver.gl, &mut ctx.queries, QueryScaling { samples, ..QueryScaling::ONCE });
         own_window_space(ctx, tile);
         move_origin(&ctx.driver, &mut ctx.compat, tile.origin());
-        let [x, y] = raster_position(gl);
+        let position = raster_position(gl) - Vec2::new(tile.x as f32, tile.y as f32);
         // Drawing in each tile begins at the same position as in the first tile.
-        let [x, y] = [x - tile.x as f32, y - tile.y as f32];
-        let [first_x, first_y] = *before.get_or_insert([x, y]);
-        move_by(gl, first_x - x, first_y - y);
+        let first = *before.get_or_insert(position);
+        move_by(gl, first - position);
         repeats.unchanged(gl, number + 1 == pictures, || issue(gl));
     }
 }
@@ -237,7 +236,7 @@ fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
 fn move_origin(driver: &Driver, compat: &mut Compat, [left, bottom]: [i32; 2]) {
     let [x, y] = compat.raster.origin;
     if [x, y] != [left, bottom] && is_valid(driver.gl) {
-        move_by(driver.gl, (left - x) as f32, (bottom - y) as f32);
+        move_by(driver.gl, Vec2::new((left - x) as f32, (bottom - y) as f32));
         compat.raster.origin = [left, bottom];
     }
 }
@@ -253,7 +252,7 @@ pub fn raster_command(ctx: &mut Context, issue: impl Fn(&Gl)) {
     }
 }
 
-fn raster_position_command(ctx: &mut Context, position: [f64; 4]) {
+fn raster_position_command(ctx: &mut Context, position: DVec4) {
     if ctx.compiling() {
         list_recording::record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::RasterPosition(position));
     } else {
@@ -261,7 +260,7 @@ fn raster_position_command(ctx: &mut Context, position: [f64; 4]) {
     }
 }
 
-fn window_position_command(ctx: &mut Context, position: [f64; 3]) {
+fn window_position_command(ctx: &mut Context, position: DVec3) {
     if ctx.compiling() {
         list_recording::record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::WindowPosition(position));
     } else {
@@ -273,9 +272,12 @@ fn window_position_command(ctx: &mut Context, position: [f64; 3]) {
 ///
 /// # Safety
 /// `v` must point at `N` numbers.
-unsafe fn padded<T: Copy + Into<f64>, const N: usize>(v: *const T) -> [f64; 4] {
-    // SAFETY: as promised above.
-    std::array::from_fn(|i| if i < N { unsafe { (*v.add(i)).into() } } else { f64::from(u8::from(i == 3)) })
+unsafe fn padded<T: Copy + Into<f64>, const N: usize>(v: *const T) -> DVec4 {
+    DVec4::from_array(std::array::from_fn(|i| match i {
+        // SAFETY: as promised above.
+        i if i < N => unsafe { (*v.add(i)).into() },
+        i => f64::from(u8::from(i == 3)),
+    }))
 }
 
 macro_rules! raster_hooks {
@@ -283,16 +285,16 @@ macro_rules! raster_hooks {
         $p4:literal $m4:ident $p4v:literal $m4v:ident $w2:literal $n2:ident $w2v:literal $n2v:ident $w3:literal $n3:ident $w3v:literal $n3v:ident; )*) => {
         hooks! {
             $(
-                $p2 $m2(x: $t, y: $t) = |ctx, _gl| raster_position_command(ctx, [x.into(), y.into(), 0.0, 1.0]);
+                $p2 $m2(x: $t, y: $t) = |ctx, _gl| raster_position_command(ctx, DVec4::new(x.into(), y.into(), 0.0, 1.0));
                 $p2v $m2v(v: *const $t) = |ctx, _gl| raster_position_command(ctx, padded::<_, 2>(v));
-                $p3 $m3(x: $t, y: $t, z: $t) = |ctx, _gl| raster_position_command(ctx, [x.into(), y.into(), z.into(), 1.0]);
+                $p3 $m3(x: $t, y: $t, z: $t) = |ctx, _gl| raster_position_command(ctx, DVec4::new(x.into(), y.into(), z.into(), 1.0));
                 $p3v $m3v(v: *const $t) = |ctx, _gl| raster_position_command(ctx, padded::<_, 3>(v));
-                $p4 $m4(x: $t, y: $t, z: $t, w: $t) = |ctx, _gl| raster_position_command(ctx, [x.into(), y.into(), z.into(), w.into()]);
+                $p4 $m4(x: $t, y: $t, z: $t, w: $t) = |ctx, _gl| raster_position_command(ctx, DVec4::new(x.into(), y.into(), z.into(), w.into()));
                 $p4v $m4v(v: *const $t) = |ctx, _gl| raster_position_command(ctx, padded::<_, 4>(v));
-                $w2 $n2(x: $t, y: $t) = |ctx, _gl| window_position_command(ctx, [x.into(), y.into(), 0.0]);
-                $w2v $n2v(v: *const $t) = |ctx, _gl| { let [x, y, z, _] = padded::<_, 2>(v); window_position_command(ctx, [x, y, z]) };
-                $w3 $n3(x: $t, y: $t, z: $t) = |ctx, _gl| window_position_command(ctx, [x.into(), y.into(), z.into()]);
-                $w3v $n3v(v: *const $t) = |ctx, _gl| { let [x, y, z, _] = padded::<_, 3>(v); window_position_command(ctx, [x, y, z]) };
+                $w2 $n2(x: $t, y: $t) = |ctx, _gl| window_position_command(ctx, DVec3::new(x.into(), y.into(), 0.0));
+                $w2v $n2v(v: *const $t) = |ctx, _gl| window_position_command(ctx, padded::<_, 2>(v).truncate());
+                $w3 $n3(x: $t, y: $t, z: $t) = |ctx, _gl| window_position_command(ctx, DVec3::new(x.into(), y.into(), z.into()));
+                $w3v $n3v(v: *const $t) = |ctx, _gl| window_position_command(ctx, padded::<_, 3>(v).truncate());
             )*
             "glBitmap" bitmap(w: i32, h: i32, x: f32, y: f32, dx: f32, dy: f32, bits: *const u8) = |ctx, _gl|
                 raster_command(ctx, |gl| gl.bitmap(w, h, x, y, dx, dy, bits));

@@ -3,6 +3,7 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::compat::raster_position::{ScenePosition, TextureCoordinates};
+use glam::{Vec2, Vec4, Vec4Swizzles};
 
 /// Raster position of the scene during drawing in several views. [`PlacedPosition::end`] restores the
 /// driver's state.
@@ -46,8 +47,7 @@ impl<'a> PlacedPosition<'a> {
     /// Sets the position with the present projection and viewport.
     pub fn set(&self) {
         self.present.set_again(self.gl, self.position);
-        let [x, y] = self.position.moved;
-        move_by(self.gl, x, y);
+        move_by(self.gl, self.position.moved);
     }
 
     /// Sets the position that the program has set in its own window, moved to `tile`. The present
@@ -63,7 +63,7 @@ impl<'a> PlacedPosition<'a> {
             self.gl.push_attrib(api::GL_CURRENT_BIT);
         }
         if is_valid(self.gl) {
-            move_by(self.gl, tile.x as f32, tile.y as f32);
+            move_by(self.gl, Vec2::new(tile.x as f32, tile.y as f32));
         }
     }
 
@@ -110,7 +110,7 @@ impl Present {
     /// Sets a position of the scene again, with the colour, the texture coordinates and the depth
     /// range that it was first set with. All other state stays unchanged.
     fn set_again(&self, gl: &Gl, position: &ScenePosition) {
-        let ([x, y, z, w], [near, far], [own_near, own_far]) = (position.object, position.depths, self.depths);
+        let ([near, far], [own_near, own_far]) = (position.depths, self.depths);
         let on = || Self::SWITCHES.iter().zip(self.on).filter(|(_, on)| *on).map(|(switch, _)| *switch);
         // SAFETY: the program's own position; the rest is put back.
         unsafe {
@@ -118,7 +118,7 @@ impl Present {
             gl.depth_range(near, far);
             gl.color4fv(position.color.as_ptr());
             position.texture.set(gl);
-            gl.raster_pos4d(x, y, z, w);
+            gl.raster_pos4dv(position.object.as_ref().as_ptr());
             gl.depth_range(own_near, own_far);
             gl.color4fv(self.color.as_ptr());
             self.texture.set(gl);
@@ -136,17 +136,17 @@ pub fn is_valid(gl: &Gl) -> bool {
 }
 
 /// Moves the raster position by pixels.
-pub fn move_by(gl: &Gl, x: f32, y: f32) {
-    if x != 0.0 || y != 0.0 {
+pub fn move_by(gl: &Gl, distance: Vec2) {
+    if distance != Vec2::ZERO {
         // SAFETY: an empty bitmap only moves the raster position.
-        unsafe { gl.bitmap(0, 0, 0.0, 0.0, x, y, std::ptr::null()) };
+        unsafe { gl.bitmap(0, 0, 0.0, 0.0, distance.x, distance.y, std::ptr::null()) };
     }
 }
 
 /// Returns the driver's raster position, in its window coordinates.
-pub fn raster_position(gl: &Gl) -> [f32; 2] {
-    let mut position = [0f32; 4];
+pub fn raster_position(gl: &Gl) -> Vec2 {
+    let mut position = Vec4::ZERO;
     // SAFETY: writes four floats.
-    unsafe { gl.get_floatv(api::GL_CURRENT_RASTER_POSITION, position.as_mut_ptr()) };
-    [position[0], position[1]]
+    unsafe { gl.get_floatv(api::GL_CURRENT_RASTER_POSITION, position.as_mut().as_mut_ptr()) };
+    position.xy()
 }

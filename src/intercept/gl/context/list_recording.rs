@@ -7,7 +7,7 @@ use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::driver::Driver;
 use crate::lock::Lock;
-use glam::DMat4;
+use glam::{DMat4, DVec3, DVec4};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -35,8 +35,8 @@ pub enum Command {
     Clear(u32),
     DrawBuffer(u32),
     ReadBuffer(u32),
-    RasterPosition([f64; 4]),
-    WindowPosition([f64; 3]),
+    RasterPosition(DVec4),
+    WindowPosition(DVec3),
     CallList(u32),
     /// Offsets to be added to `glListBase` when the list runs.
     CallLists(Vec<u32>),

@@ -59,6 +59,7 @@ pub fn clear_transparent(gl: &Gl, known: &KnownState) {
     unsafe {
         gl.color_mask(1, 1, 1, 1);
         gl.clear_bufferfv(api::GL_COLOR, 0, [0.0f32; 4].as_ptr());
-        gl.color_mask(mask[0], mask[1], mask[2], mask[3]);
+        let [red, green, blue, alpha] = mask;
+        gl.color_mask(red, green, blue, alpha);
     }
 }

@@ -129,17 +129,17 @@ fn source_of<'a>(
 fn of_instance(graphics: &GraphicsState, matrix: &Matrix, location: u32, first: u32) -> Option<MatrixSource> {
     let pipeline = graphics.pipeline.as_ref()?;
     let column = |number: u32| pipeline.columns.iter().find(|c| Some(c.location) == location.checked_add(number));
-    let columns = [column(0)?, column(1)?, column(2)?, column(3)?];
-    let distance = columns[1].offset.checked_sub(columns[0].offset)?;
-    let follow = |pair: &[&InstanceColumn]| {
-        pair[0].binding == pair[1].binding && pair[0].offset.checked_add(distance) == Some(pair[1].offset)
+    let [x, y, z, w] = [column(0)?, column(1)?, column(2)?, column(3)?];
+    let distance = y.offset.checked_sub(x.offset)?;
+    let follow = |(one, next): (&InstanceColumn, &InstanceColumn)| {
+        one.binding == next.binding && one.offset.checked_add(distance) == Some(next.offset)
     };
-    let bound = (*graphics.vertices.get(columns[0].binding as usize)?)?;
-    let instances = bound.stride.unwrap_or(columns[0].stride.into()).checked_mul(first.into())?;
-    let offset = bound.offset.checked_add(instances)?.checked_add(columns[0].offset.into())?;
+    let bound = (*graphics.vertices.get(x.binding as usize)?)?;
+    let instances = bound.stride.unwrap_or(x.stride.into()).checked_mul(first.into())?;
+    let offset = bound.offset.checked_add(instances)?.checked_add(x.offset.into())?;
     let matrix = Matrix { stride: distance, ..*matrix };
     let value = MatrixValue::Buffer(bound.buffer, offset);
-    columns.windows(2).all(follow).then_some(MatrixSource { matrix, value })
+    [(x, y), (y, z), (z, w)].into_iter().all(follow).then_some(MatrixSource { matrix, value })
 }
 
 #[cfg(test)]

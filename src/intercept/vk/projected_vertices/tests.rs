@@ -3,7 +3,7 @@
 use crate::correct::projected::division::Input;
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::projected_vertices::{Limits, divide, stage_outputs};
-use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
+use crate::intercept::vk::spirv::module::{BOUND, Declarations, Instruction, instructions};
 use crate::intercept::vk::spirv::tests::module;
 use crate::testing::random::Random;
 use spirv::{Decoration, ExecutionModel, Op, StorageClass};
@@ -113,7 +113,7 @@ fn a_stage_that_divides_declares_nothing_twice() {
         }
         let mut functions = HashSet::new();
         for i in all.iter().filter(|i| i.is(Op::Function)) {
-            assert!(i.operand(1) < words[3] && functions.insert(i.operand(1)), "{i:?}");
+            assert!(i.operand(1) < words[BOUND] && functions.insert(i.operand(1)), "{i:?}");
         }
         let mut called = all.iter().filter(|i| i.is(Op::FunctionCall)).map(|i| i.operand(2));
         assert!(called.all(|function| functions.contains(&function)), "every function that is called is there");

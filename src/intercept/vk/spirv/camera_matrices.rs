@@ -9,7 +9,7 @@ use crate::intercept::scene::eye;
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::spirv::dependence::PositionLoads;
 use crate::intercept::vk::spirv::functions::{Additions, push};
-use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
+use crate::intercept::vk::spirv::module::{BOUND, Declarations, Instruction, instructions};
 use crate::intercept::vk::spirv::reflect::{Matrix, Memory};
 use crate::intercept::vk::spirv::splice::{Entry, MOST_IDS, entry_point, put_into};
 use crate::runtime::session::ViewMatrix;
@@ -86,12 +86,12 @@ pub fn camera_matrices(
     if all.iter().filter(|i| i.is(Op::EntryPoint)).count() > 1 {
         return Err("several entry points in a module with matrices of the camera".into());
     }
-    if words[3] > MOST_IDS {
+    if words[BOUND] > MOST_IDS {
         return Err("a shader with too many ids".into());
     }
     let glsl = declared.imported("GLSL.std.450");
     let inverts = all.iter().any(|i| i.is(Op::ExtInst) && Some(i.operand(2)) == glsl && i.operand(3) == INVERSE);
-    let mut additions = Additions::new(words[3], &declared);
+    let mut additions = Additions::new(words[BOUND], &declared);
     let variables: Vec<u32> = found.iter().map(|(_, found)| private(&mut additions, found.kind)).collect();
     let ours: HashMap<&Place, u32> = found.iter().map(|(place, _)| place).zip(variables.iter().copied()).collect();
     let pointers = private_pointers(&mut additions, &declared, &all, &chains, &ours);

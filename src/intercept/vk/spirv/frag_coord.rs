@@ -7,7 +7,7 @@
 
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::spirv::functions::{Additions, push};
-use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions, string};
+use crate::intercept::vk::spirv::module::{BOUND, Declarations, Instruction, instructions, string};
 use crate::intercept::vk::spirv::splice::{Entry, MOST_IDS, entry_point, put_into};
 use spirv::{BuiltIn, Decoration, ExecutionModel, FunctionControl, Op, StorageClass};
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -31,11 +31,11 @@ pub fn frag_coord(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<O
     if all.iter().filter(|i| i.is(Op::EntryPoint)).count() > 1 {
         return Err("several entry points in a module that uses its position on the screen".into());
     }
-    if words[3] > MOST_IDS {
+    if words[BOUND] > MOST_IDS {
         return Err("a shader with too many ids".into());
     }
     let chains = chains(&all, given)?;
-    let mut additions = Additions::new(words[3], &declared);
+    let mut additions = Additions::new(words[BOUND], &declared);
     let ours = variables(&mut additions, vector, (set, offset));
     let pointers = private_pointers(&mut additions, &declared, &chains)?;
     let wrapper = wrapper(&mut additions, given, main, vector, &ours);

@@ -34,10 +34,13 @@ impl Instruction<'_> {
 /// Words of the header.
 pub const HEADER: usize = 5;
 
+/// Word of the header that is greater than all ids.
+pub const BOUND: usize = 3;
+
 /// Returns the instructions of a module; `None` if `words` are no module in the byte order of this
 /// machine.
 pub fn instructions(words: &[u32]) -> Option<Vec<Instruction<'_>>> {
-    if words.len() < HEADER || words[0] != spirv::MAGIC_NUMBER {
+    if words.len() < HEADER || words.first() != Some(&spirv::MAGIC_NUMBER) {
         return None;
     }
     instructions_of(words, HEADER)

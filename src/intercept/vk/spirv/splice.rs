@@ -7,7 +7,7 @@
 
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::spirv::functions::{Additions, functions, push, push_code};
-use crate::intercept::vk::spirv::module::{Declarations, HEADER, Instruction, instructions, string};
+use crate::intercept::vk::spirv::module::{BOUND, Declarations, HEADER, Instruction, instructions, string};
 use spirv::{BuiltIn, Decoration, ExecutionMode, ExecutionModel, FunctionControl, Op, StorageClass};
 
 /// The first SPIR-V version in which an entry point lists all variables that it uses.
@@ -37,10 +37,10 @@ pub fn splice(words: &[u32], model: ExecutionModel, entry: &str, set: u32, lense
     }
     let interface = 2 + string(point.rest(2)).1;
     let position = position(&declared, point.rest(interface)).ok_or("a shader that writes no gl_Position")?;
-    if words[3] > MOST_IDS {
+    if words[BOUND] > MOST_IDS {
         return Err("a shader with too many ids".into());
     }
-    let mut additions = Additions::new(words[3], &declared);
+    let mut additions = Additions::new(words[BOUND], &declared);
     let linked = additions.link(functions(lenses), set);
     let emits = model == ExecutionModel::Geometry;
     let void = additions.kind(Op::TypeVoid, &[]);
@@ -230,6 +230,6 @@ pub fn put_into(
         push_code(&mut out, instruction.opcode, &operands);
     }
     out.append(&mut additions.bodies);
-    out[3] = additions.bound();
+    out[BOUND] = additions.bound();
     out
 }

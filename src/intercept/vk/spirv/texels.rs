@@ -14,7 +14,7 @@ pub use reads::DescriptorPlace;
 
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::spirv::functions::{Additions, push, push_code};
-use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions, string};
+use crate::intercept::vk::spirv::module::{BOUND, Declarations, Instruction, instructions, string};
 use crate::intercept::vk::spirv::splice::{Entry, MOST_IDS, entry_point, put_into};
 use crate::intercept::vk::spirv::texels::additions::Ours;
 use crate::intercept::vk::spirv::texels::reads::{OFFSETS, Read, Reads};
@@ -57,10 +57,10 @@ pub fn texels(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<Optio
     if reads.unknown || reads.pictures.len() > MOST_PICTURES {
         return Err("a shader that reads images by texel coordinates in a way that cannot be followed".into());
     }
-    if words[3] > MOST_IDS {
+    if words[BOUND] > MOST_IDS {
         return Err("a shader with too many ids".into());
     }
-    let mut additions = Additions::new(words[3], &declared);
+    let mut additions = Additions::new(words[BOUND], &declared);
     let ours = Ours::new(&mut additions, (set, offset), given);
     let numbers: Vec<u32> = (0..reads.pictures.len() as u32)
         .map(|number| {

@@ -349,8 +349,8 @@ fn factors(shown: &AtlasLayout, view: usize, target: (u32, u32)) -> [f32; 4] {
     let Some(AtlasRect { width, height, .. }) = shown.views.get(view).map(|view| view.rect) else { return [1.0; 4] };
     let part = |of: f64, whole: u32| of / f64::from(whole.max(1));
     let (across, down) = shown.window;
-    let of_view = [part(width.into(), across), part(height.into(), down)];
-    single::values([of_view[0], of_view[1], part(across.into(), target.0), part(down.into(), target.1)])
+    let [x, y] = [part(width.into(), across), part(height.into(), down)];
+    single::values([x, y, part(across.into(), target.0), part(down.into(), target.1)])
 }
 
 #[cfg(test)]

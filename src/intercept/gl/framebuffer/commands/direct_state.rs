@@ -24,7 +24,7 @@ pub(super) fn bound<R>(
     read: Option<u32>,
     run: impl FnOnce(&mut Context) -> R,
 ) -> R {
-    let before = [ctx.app.draw_framebuffer(), ctx.app.read_framebuffer()];
+    let (own_draw, own_read) = (ctx.app.draw_framebuffer(), ctx.app.read_framebuffer());
     let change = |ctx: &mut Context, target: u32, from: u32, to: u32| {
         if from != to {
             bindings::bind(ctx, target, to);
@@ -33,12 +33,12 @@ pub(super) fn bound<R>(
     // The driver performs these commands at once while the program compiles a display list. What
     // Cupola calls for them must not become part of the list.
     let compiling = list_recording::pause(&ctx.driver, &mut ctx.lists);
-    change(ctx, api::GL_DRAW_FRAMEBUFFER, before[0], draw.unwrap_or(before[0]));
-    change(ctx, api::GL_READ_FRAMEBUFFER, before[1], read.unwrap_or(before[1]));
+    change(ctx, api::GL_DRAW_FRAMEBUFFER, own_draw, draw.unwrap_or(own_draw));
+    change(ctx, api::GL_READ_FRAMEBUFFER, own_read, read.unwrap_or(own_read));
     let answer = run(ctx);
-    let now = [ctx.app.draw_framebuffer(), ctx.app.read_framebuffer()];
-    change(ctx, api::GL_DRAW_FRAMEBUFFER, now[0], before[0]);
-    change(ctx, api::GL_READ_FRAMEBUFFER, now[1], before[1]);
+    let (draw, read) = (ctx.app.draw_framebuffer(), ctx.app.read_framebuffer());
+    change(ctx, api::GL_DRAW_FRAMEBUFFER, draw, own_draw);
+    change(ctx, api::GL_READ_FRAMEBUFFER, read, own_read);
     if compiling {
         list_recording::go_on(&ctx.share, &ctx.driver, &mut ctx.lists, None);
     }

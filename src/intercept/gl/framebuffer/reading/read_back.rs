@@ -135,8 +135,9 @@ fn read_pixels_part(ctx: &mut Context, part: LowerLeftRect, format: u32, issue: 
         for (value, name) in before.iter_mut().zip(STORE) {
             gl.get_integerv(name, value);
         }
-        let row = if before[0] == 0 { part.width } else { before[0] };
-        let now = [row, before[1] + inside.x - part.x, before[2] + inside.y - part.y];
+        let [length, pixels, rows] = before;
+        let length = if length == 0 { part.width } else { length };
+        let now = [length, pixels + inside.x - part.x, rows + inside.y - part.y];
         for (value, name) in now.iter().zip(STORE) {
             gl.pixel_storei(name, *value);
         }

@@ -49,7 +49,8 @@ fn make_opaque(ctx: &mut Context, part: LowerLeftRect) {
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
         gl.color_mask(0, 0, 0, 1);
         gl.clear_bufferfv(api::GL_COLOR, 0, [0.0f32, 0.0, 0.0, 1.0].as_ptr());
-        gl.color_mask(mask[0], mask[1], mask[2], mask[3]);
+        let [red, green, blue, alpha] = mask;
+        gl.color_mask(red, green, blue, alpha);
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound as u32);
     }
     if !ctx.redirected() {

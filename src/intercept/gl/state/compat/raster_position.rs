@@ -2,7 +2,7 @@
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::values::integer;
-use glam::DMat4;
+use glam::{DMat4, DVec4, Vec2};
 
 /// Raster position of the program: in the scene, or in a tile.
 #[derive(Clone, Default)]
@@ -81,7 +81,7 @@ impl TextureCoordinates {
 /// A raster position in the scene.
 #[derive(Clone)]
 pub(in crate::intercept::gl) struct ScenePosition {
-    pub(in crate::intercept::gl) object: [f64; 4],
+    pub(in crate::intercept::gl) object: DVec4,
     pub(in crate::intercept::gl) model_view: DMat4,
     /// Current colour at the time when the position was set, lit if lighting was on.
     pub(in crate::intercept::gl) color: [f32; 4],
@@ -90,5 +90,5 @@ pub(in crate::intercept::gl) struct ScenePosition {
     /// Depth range at the time when the position was set.
     pub(in crate::intercept::gl) depths: [f64; 2],
     /// Distance by which bitmaps have moved the position since then, in pixels.
-    pub(in crate::intercept::gl) moved: [f32; 2],
+    pub(in crate::intercept::gl) moved: Vec2,
 }
