@@ -45,7 +45,8 @@ pub struct Statistics {
     /// Number of draws to the program's own framebuffers that were issued once per view.
     pub duplicated_draws: u64,
     /// Number of times that a draw, recorded for each view and the panel, was left out of one of
-    /// them because its vertices turned out to be out of sight there (Vulkan).
+    /// them because its vertices turned out to be out of sight there, or because only other machines
+    /// show that view (Vulkan).
     pub draws_out_of_sight: u64,
     /// Number of draws of the scene whose vertices had known bounds.
     pub bounded_draws: u64,

@@ -14,6 +14,7 @@ tests! {
     a_program_that_reads_past_the_clock_is_named,
     programs_with_other_names_are_alike,
     a_vulkan_program_that_differs_is_named,
+    a_vulkan_node_leaves_out_views_of_others,
     stopped_and_killed_nodes_do_not_stop_the_others,
 }
 
@@ -101,6 +102,16 @@ fn programs_with_other_names_are_alike() {
     assert!(nodes.words().contains("all alike"), "{}", nodes.words());
 }
 
+/// Runs a program of Vulkan on so many nodes.
+fn cube_on_nodes(folder: &Path, nodes: &str, options: &[&str], before: &[&str]) -> Option<Finished> {
+    let run = Run { frames: 0, size: (96, 96), ..Run::new("vk_cube") };
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
+    command.env("CUPOLA_LIBRARY", library()).args(["node", "--local", nodes, "--unpaced", PATIENT[0], PATIENT[1]]);
+    command.arg("--rig").arg(rig()).args(options).arg("--").args(before);
+    command.arg(folder.join(run.program)).args(run.arguments(&display::place()));
+    Some(Finished::of(command, run.program, "node")?.expect_success())
+}
+
 /// With `0` all nodes have the same direction. With the number of the node each has another
 /// direction.
 fn a_vulkan_program_that_differs_is_named() {
@@ -108,23 +119,31 @@ fn a_vulkan_program_that_differs_is_named() {
     for (yaw, words) in
         [("0", "all alike"), ("${CUPOLA_NODE%/*}", "node 1 draws something else than the others in frame 1:")]
     {
-        let run = Run { frames: 0, size: (96, 96), ..Run::new("vk_cube") };
-        let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
-        command.env("CUPOLA_LIBRARY", library()).args([
-            "node",
-            "--local",
-            "2",
-            "--unpaced",
-            PATIENT[0],
-            PATIENT[1],
-            "--rig",
-        ]);
-        command.arg(rig()).args(["--frames", "4", "--", "sh", "-c", &format!("exec \"$0\" \"$@\" --yaw {yaw}")]);
-        let place = display::place();
-        command.arg(folder.join(run.program)).args(run.arguments(&place));
-        let Some(finished) = Finished::of(command, run.program, "node") else { return };
-        let finished = finished.expect_success();
+        let shell = ["sh", "-c", &format!("exec \"$0\" \"$@\" --yaw {yaw}")];
+        let Some(finished) = cube_on_nodes(&folder, "2", &["--frames", "4"], &shell) else { return };
         assert!(finished.words().contains(words), "{yaw}: {}", finished.words());
+    }
+}
+
+/// Draws go only to the views that a node's outputs show. The pictures are those of nodes that draw
+/// all views.
+fn a_vulkan_node_leaves_out_views_of_others() {
+    let Some(folder) = crate::programs::vulkan_apps() else { return };
+    let run = |options: &[&str]| {
+        let options = [&["--frames", "4", "--capture", "capture.png", "--stats", "stats.json"], options].concat();
+        cube_on_nodes(&folder, "6", &options, &[])
+    };
+    let Some(one) = run(&[]) else { return };
+    let all = run(&["--no-cull"]).expect("a display");
+    assert!(are_equal(&rig(), &one, &all));
+    for node in 0..6 {
+        let count = |finished: &Finished| {
+            let text = std::fs::read_to_string(finished.directory.join(format!("stats-node-{node}.json")));
+            let counts: serde_json::Value = serde_json::from_str(&text.expect("statistics")).expect("JSON");
+            counts["draws_out_of_sight"].as_u64().expect("a number")
+        };
+        note(format_args!("node {node}: {} draws left out", count(&one)));
+        assert!(count(&one) >= 4 && count(&all) == 0, "node {node}");
     }
 }
 

@@ -87,6 +87,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
     let mut divided = None;
     // SAFETY: as promised; shader modules of Cupola are destroyed after the pipelines are made.
     unsafe {
+        made.writes |= parts.stages.iter().any(|stage| may_write(device, stage));
         if parts.places_vertices() {
             let (matrices, missing) = matrix_sources::before_rasterisation(device, &stages);
             made.matrices.extend(matrices);
@@ -147,6 +148,7 @@ fn inherited(parts: &Parts<'_>, linked: &[Arc<Pipeline>]) -> Variants {
         deep: parts.dynamic.contains(&vk::DynamicState::DEPTH_TEST_ENABLE)
             || parts.depth.is_some_and(|state| state.depth_test_enable == vk::TRUE)
             || libraries().any(|library| library.deep),
+        writes: libraries().any(|library| library.writes),
     }
 }
 
@@ -186,6 +188,16 @@ unsafe fn change_stages(
     modules.replace(&mut stages[index], &words)?;
     made.cameras.extend(found);
     Ok(Some((index, words)))
+}
+
+/// True if a stage may write to buffers or images.
+///
+/// # Safety
+/// `stage` must be the program's.
+unsafe fn may_write(device: &Device, stage: &vk::PipelineShaderStageCreateInfo<'_>) -> bool {
+    // SAFETY: as promised.
+    let used = unsafe { words_of(device, stage) }.and_then(|words| spirv::compute_use(&words));
+    used.is_none_or(|used| used.writes())
 }
 
 /// Shader modules of Cupola, which are needed until the pipelines are made.

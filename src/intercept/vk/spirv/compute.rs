@@ -30,6 +30,13 @@ pub struct ComputeUse {
     pub buffers: BufferWrites,
 }
 
+impl ComputeUse {
+    /// True if it writes to anything.
+    pub fn writes(&self) -> bool {
+        !self.written.is_empty() || self.image_atomics || self.buffers != BufferWrites::Nothing
+    }
+}
+
 /// Greatest number of steps in the search for the origins of a value.
 const MOST_STEPS: usize = 256;
 

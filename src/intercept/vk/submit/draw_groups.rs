@@ -182,6 +182,7 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     }
     frame.counts.in_views += if outcome == DrawClass::Flat { 0 } else { group.draws };
     frame.counts.duplicated += if facts.off_screen { group.draws } else { 0 };
+    frame.counts.left_out += group.elsewhere;
     let camera = match outcome {
         DrawClass::Scene(intrinsics) => Some(frame.cameras.index(&intrinsics, &group.layout.session)),
         _ => None,

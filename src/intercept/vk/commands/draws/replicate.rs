@@ -10,6 +10,7 @@
 //! (`submit::draw_groups`). At recording, the draw is issued to every tile that may have to show
 //! it.
 
+use crate::intercept::process::settings;
 use crate::intercept::scene::flat_program::MissingLens;
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::scene::to_window::Area;
@@ -62,8 +63,10 @@ struct Classified {
 /// Tiles that a draw goes to.
 struct Selected {
     constants: ChunkOffset,
-    /// Number of views that it is issued to.
+    /// Number of views that it may be issued to.
     views: usize,
+    /// True if it is issued to all of them, also to those that only other machines show.
+    all: bool,
     on_panel: bool,
     indirect: Option<IndirectDraw>,
 }
@@ -87,15 +90,16 @@ pub unsafe fn draw_to_views(draw: &ProgramDraw<'_>, recording: &mut Recording) {
         };
         let Classified { facts, program, sets, measured } = classified;
         let part = facts.part;
-        let Some(selected) = select(draw, recording, &layout, facts) else {
+        let Some(selected) = select(draw, recording, variants, &layout, facts) else {
             return issue_flat(draw, recording, &layout);
         };
-        let Selected { constants, views, on_panel, indirect } = selected;
+        let Selected { constants, views, all, on_panel, indirect } = selected;
         let (device, buffer, pipeline, window) = (draw.device, draw.buffer, draw.pipeline, layout.window);
         part.into_iter().for_each(|part| parts::clear_part(device, buffer, &layout, part));
         let mut tiles =
             TileDraws { device, buffer, recording, pipeline, variants, constants, program, window, part, indirect };
-        issue(&mut tiles, &layout, views, on_panel, sets, draw.issue);
+        let shown = |view: &usize| all || layout.is_needed(*view);
+        issue(&mut tiles, &layout, (views, &shown), on_panel, sets, draw.issue);
         if let Some(block) = measured {
             parts::measure(&mut tiles, &layout, views + 1, block, draw.issue);
         }
@@ -312,6 +316,7 @@ fn per_view_sets(
 fn select(
     draw: &ProgramDraw<'_>,
     recording: &mut Recording,
+    variants: &Variants,
     layout: &Arc<AtlasLayout>,
     facts: DrawFacts,
 ) -> Option<Selected> {
@@ -331,6 +336,8 @@ fn select(
         recording.events.push(Event::DrawGroup(recording.draw_groups.len()));
         recording.draw_groups.push(DrawGroup::new(constants, Arc::clone(layout), facts));
     }
+    // Queries count the samples of all views. What shaders write must not depend on the machine.
+    let all = recording.counting > 0 || variants.writes || settings::settings().is_none_or(|settings| !settings.cull);
     let index = recording.draw_groups.len() - 1;
     let indirect = match &draw.size {
         DrawSize::Known(parameters) => indirect::place(device, recording, parameters, slots as u32),
@@ -338,21 +345,23 @@ fn select(
     };
     let group = &mut recording.draw_groups[index];
     group.draws += 1;
+    group.elsewhere += (0..views).filter(|view| !all && !layout.is_needed(*view)).count() as u64;
     group.indirect.extend(indirect);
     let (constants, on_panel) = (group.constants, group.is_on_panel());
     let times = views + usize::from(on_panel) + usize::from(layout.primary.is_some());
     count_draw(recording, Some(index), draw.size.vertices(), indirect.is_none().then_some(times as u32));
-    Some(Selected { constants, views, on_panel, indirect })
+    Some(Selected { constants, views, all, on_panel, indirect })
 }
 
-/// Issues a draw into the tiles of `views` views, onto the panel and into the primary view.
+/// Issues a draw into the tiles of those of the first `views` views that are `shown`, onto the panel
+/// and into the primary view.
 ///
 /// # Safety
 /// The command buffer is being recorded, within a pass that draws to the atlas.
 unsafe fn issue(
     tiles: &mut TileDraws<'_>,
     layout: &AtlasLayout,
-    views: usize,
+    (views, shown): (usize, &dyn Fn(&usize) -> bool),
     on_panel: bool,
     mut sets: Vec<PerViewSet>,
     own: &dyn Fn(),
@@ -361,7 +370,7 @@ unsafe fn issue(
     let window_space = |rect| ViewTile { rect, own_lens: true };
     // SAFETY: as promised.
     unsafe {
-        for (index, tile) in layout.views.iter().enumerate().take(views) {
+        for (index, tile) in layout.views.iter().enumerate().take(views).filter(|(index, _)| shown(index)) {
             tiles.issue(in_view, index, tile, &sets, index, own);
         }
         tiles.unbind(&sets);

@@ -117,6 +117,8 @@ pub struct Variants {
     pub(in crate::intercept::vk) cameras: Vec<CameraMatrix>,
     /// True if it tests depth.
     pub(in crate::intercept::vk) deep: bool,
+    /// True if its shaders may write to buffers or images.
+    pub(in crate::intercept::vk) writes: bool,
 }
 
 /// A stage in which Cupola chooses matrices.

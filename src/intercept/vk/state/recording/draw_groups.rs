@@ -134,6 +134,8 @@ pub struct DrawGroup {
     pub(in crate::intercept::vk) facts: DrawFacts,
     /// Number of its draws.
     pub(in crate::intercept::vk) draws: u64,
+    /// Number of times that a draw was not issued to a view, as only other machines show it.
+    pub(in crate::intercept::vk) elsewhere: u64,
     /// Parameters in memory, for draws that are left out where they are out of sight.
     pub(in crate::intercept::vk) indirect: Vec<IndirectDraw>,
     /// Slots of view constants with which it is in sight, one bit for each. Slots from 63 on are
@@ -167,6 +169,7 @@ impl DrawGroup {
             layout,
             facts,
             draws: 0,
+            elsewhere: 0,
             indirect: Vec::new(),
             in_sight: 0,
             last: None,
@@ -225,7 +228,7 @@ pub struct Counts {
     /// Draws of these that went to images of off-screen scenes.
     pub(in crate::intercept::vk) duplicated: u64,
     /// Number of times that a draw was left out of a view or the panel, because it is out of sight
-    /// there.
+    /// there, or because only other machines show the view.
     pub(in crate::intercept::vk) left_out: u64,
     /// Number of draws by the way in which their lens was found.
     pub(in crate::intercept::vk) found: BTreeMap<&'static str, u64>,

@@ -219,6 +219,12 @@ impl AtlasLayout {
         self.primary.or(own)
     }
 
+    /// True if outputs of this machine sample a view, or if the view is the program's own picture.
+    pub fn is_needed(&self, view: usize) -> bool {
+        let own = || self.views.get(view).is_some_and(|view| Some(view.rect) == self.own());
+        view >= 64 || self.session.needed() >> view & 1 == 1 || own()
+    }
+
     /// Returns the rectangle in which the program's picture is shown flat: the panel. If the
     /// program's own lens shows everything and the panel nothing, it is the view with that lens.
     pub fn flat_place(&self) -> AtlasRect {
