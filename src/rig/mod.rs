@@ -32,7 +32,7 @@ pub use model::nodes::{Node, Place};
 pub use model::overrides::Overrides;
 pub use model::response::{RESPONSE_STEPS, Response, Transfer};
 pub use model::views::{Duplicate, Favour, Filter, Resolution, ViewMethod, Views};
-pub use model::{Camera, Dome, Output, OutputKind, Overlay, OwnWindow, Rig, Viewer};
+pub use model::{Camera, Dome, Output, OutputKind, Overlay, OwnWindow, Rig, Viewer, WindowSwaps};
 pub use presets::{Preset, presets};
 pub use profiles::{Chosen, Defaults, Profile, Profiles};
 pub use reading::accepted_keys::{Accepts, DefaultValue, Key};

@@ -46,6 +46,7 @@ pub(crate) fn rig(tilt: f64, position: DVec3, kinds: &[OutputKind]) -> Rig {
             .map(|(index, kind)| output(&format!("output-{index}"), kind.clone()))
             .collect(),
         beside: Vec::new(),
+        window: crate::rig::WindowSwaps::default(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 /// Names of the tables of `docs/rig-file.md`, each with rigs in which `@` marks the place of a key.
 /// A table has the keys of all its rigs.
-pub const SECTIONS: [(&str, &[&str]); 27] = [
+pub const SECTIONS: [(&str, &[&str]); 28] = [
     ("file", &["@\n[[output]]\nkind = \"domemaster\""]),
     ("dome", &["[dome]\n@"]),
     (
@@ -30,6 +30,7 @@ pub const SECTIONS: [(&str, &[&str]); 27] = [
     ),
     ("views", &["[views]\n@"]),
     ("overlay", &["[overlay]\n@"]),
+    ("window", &["[window]\n@"]),
     ("output", &["[[output]]\nkind = \"cubemap\"\n@"]),
     (
         "output method",

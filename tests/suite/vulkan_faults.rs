@@ -21,6 +21,7 @@ tests! {
     answers_that_are_absurd,
     swapchains_that_are_out_of_date,
     a_fault_of_the_program_s_own_calls_is_seen,
+    swapchains_have_the_rig_s_swap_interval,
 }
 
 const RIG: &str = "identity-captured";
@@ -45,6 +46,8 @@ struct Outcome {
     calls: BTreeMap<String, (u64, u64)>,
     /// Lines that Cupola wrote to the log.
     words: Vec<String>,
+    /// Present modes of the swapchains, if the fault is `told`.
+    modes: BTreeSet<String>,
     /// Kinds of messages of the validation layer.
     messages: BTreeSet<String>,
 }
@@ -139,6 +142,11 @@ fn run((program, extra): Way, rig: Option<&str>, fault: &str) -> Option<Outcome>
         window: finished.wrote("window.ppm").then(|| finished.picture("window.ppm")),
         calls: calls.lines().map(line).collect(),
         words: finished.words().lines().filter(|line| line.starts_with("cupola: ")).map(str::to_owned).collect(),
+        modes: finished
+            .words()
+            .lines()
+            .filter_map(|line| Some(line.strip_prefix("present mode ")?.to_owned()))
+            .collect(),
         messages: finished.kinds_of_messages(),
     })
 }
@@ -286,4 +294,26 @@ fn a_fault_of_the_program_s_own_calls_is_seen() {
     let Some((_, _, right)) = without_a_fault(WAYS[0]) else { return };
     let Some(refused) = run(WAYS[0], Some(RIG), "program vkQueueSubmit 1 1000 -4") else { return };
     assert!(!refused.faults(&right, ALWAYS).is_empty());
+}
+
+/// `VK_PRESENT_MODE_FIFO_KHR`: each picture waits for a refresh of the display.
+const FIFO: &str = "2";
+
+fn swapchains_have_the_rig_s_swap_interval() {
+    let preset = cupola::rig::presets().iter().find(|preset| preset.name == RIG).expect("a preset").text;
+    let with = |keys: &str| {
+        let path = scratch("swaps").join("rig.toml");
+        std::fs::write(&path, format!("{preset}\n[window]\n{keys}\n")).expect("written");
+        run(("vk_cube", &[]), path.to_str(), "told MODE")
+    };
+    let waiting = |outcome: Outcome| {
+        assert!(outcome.succeeded && outcome.modes.len() == 1, "{:?} {:?}", outcome.modes, outcome.words);
+        outcome.modes.contains(FIFO)
+    };
+    let Some(own) = with("") else { return };
+    assert!(waiting(own), "the program's own mode");
+    assert!(!waiting(with("swap_interval = 0").expect("a display")));
+    assert!(waiting(with("swap_interval = 1").expect("a display")));
+    let grouped = with("swap_group = 1").expect("a display");
+    assert!(grouped.words.iter().any(|line| line.contains("join no swap group")), "{:?}", grouped.words);
 }

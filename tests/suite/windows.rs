@@ -3,7 +3,7 @@
 use crate::display::{self, Display};
 use crate::finished::Finished;
 use crate::harness::tests;
-use crate::programs::{Run, built, library, scratch};
+use crate::programs::{Run, built, library, scratch, vendor};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 tests! {
     outputs_on_two_screens_are_those_of_one_window,
     a_window_that_is_too_small_is_told_with_the_size_that_fits,
+    the_driver_gets_swap_interval_and_swap_group,
 }
 
 /// A window of 256 × 256 pixels is divided among six projectors of 1920 × 1080. Nothing is told of
@@ -153,4 +154,32 @@ fn outputs_on_two_screens_are_those_of_one_window() {
         program.0.try_wait().expect("the state of the program can be read").is_none(),
         "the program has ended, too"
     );
+}
+
+/// The driver gets the rig's swap interval and swap group once for the window, and a refusal is
+/// told.
+fn the_driver_gets_swap_interval_and_swap_group() {
+    let Some(folder) = vendor() else { return };
+    let preset = cupola::rig::presets().iter().find(|preset| preset.name == "identity-captured").expect("a preset");
+    let run = |keys: &str, fault: &str| {
+        let path = scratch("swaps").join("rig.toml");
+        std::fs::write(&path, format!("{}\n[window]\n{keys}\n", preset.text)).expect("written");
+        let environment = [("LD_LIBRARY_PATH", folder), ("CUPOLA_GLX_REAL", "calls"), ("CALLS_FAULT", fault)];
+        let run = Run { frames: 4, cupola_frames: 1000, environment: &environment, ..Run::new("core330_mvp") };
+        let finished = run.under(path.to_str().expect("Unicode"))?.expect_success();
+        Some(finished.words().into_owned())
+    };
+    let Some(words) = run("swap_interval = 2\nswap_group = 3\nswap_barrier = 4", "swaps 1") else { return };
+    for line in ["swap interval 2", "swap group 3", "swap group 3 at barrier 4"] {
+        assert_eq!(words.lines().filter(|told| *told == line).count(), 1, "{line}: {words}");
+    }
+    assert!(words.contains("the window has joined swap group 3 and barrier 4"), "{words}");
+    // Controls: a rig without these keys, a driver that refuses, and one that has no swap groups.
+    let without = run("", "swaps 1").expect("a display");
+    assert!(!without.contains("swap"), "{without}");
+    for fault in ["swaps 0", "none 0"] {
+        let refused = run("swap_group = 3\nswap_barrier = 4", fault).expect("a display");
+        assert!(refused.contains("does not let the window join group 3"), "{fault}: {refused}");
+        assert!(!refused.contains("at barrier"), "{fault}: {refused}");
+    }
 }

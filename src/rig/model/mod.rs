@@ -46,6 +46,8 @@ pub struct Rig {
     pub views: Views,
     /// Panel on which flat (orthographic) drawing appears.
     pub overlay: Overlay,
+    /// How the program's windows are swapped.
+    pub window: WindowSwaps,
     /// Outputs that the window shows.
     pub outputs: Vec<Output>,
     /// Outputs without a place in the window: they are drawn for readers of published frames. Each
@@ -116,6 +118,18 @@ impl Rig {
         upright.outputs.iter_mut().for_each(|output| output.flip = Flip::default());
         Cow::Owned(upright)
     }
+}
+
+/// How the program's windows are swapped.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct WindowSwaps {
+    /// Least number of refreshes of the display between two swaps, 0…16; 0 = a swap does not wait.
+    /// `None` = as the program asks.
+    pub interval: Option<u32>,
+    /// Swap group of the driver (`GLX_NV_swap_group`) that the windows join, from 1.
+    pub group: Option<u32>,
+    /// Barrier that this group is bound to, from 1.
+    pub barrier: Option<u32>,
 }
 
 /// Position of an output's own window.

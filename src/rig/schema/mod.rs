@@ -16,7 +16,7 @@ use super::reading::allowed::Allowed;
 use super::reading::problems::Problems;
 use super::reading::reader::Section;
 use super::reading::syntax_hints;
-use super::{Content, Defaults, Dome, Rig};
+use super::{Content, Defaults, Dome, Rig, WindowSwaps};
 use std::path::Path;
 use toml::de::DeTable;
 
@@ -65,6 +65,7 @@ pub(in crate::rig) fn read(
     let content = root.section("content", problems).and_then(|section| content::content(section, &dome, problems));
     let views = views::views(root.section("views", problems), defaults, problems);
     let overlay = views::overlay(root.section("overlay", problems), defaults.overlay, problems);
+    let window = root.section("window", problems).map_or_else(WindowSwaps::default, |section| swaps(section, problems));
     let mut sections = root.sections("output", "[[output]] with double brackets", problems);
     if sections.len() > MOST_OUTPUTS {
         let count = sections.len();
@@ -91,9 +92,24 @@ pub(in crate::rig) fn read(
         content,
         views,
         overlay,
+        window,
         outputs,
         beside: Vec::new(),
     })
+}
+
+/// Reads `[window]`.
+fn swaps(mut section: Section, problems: &mut Problems) -> WindowSwaps {
+    let allowed = Allowed::closed(0.0, 16.0, "a number of refreshes of the display");
+    let interval = section.optional_number("swap_interval", &allowed, problems).map(|number| number.round() as u32);
+    let allowed = Allowed::closed(1.0, 1024.0, "a number from 1");
+    let [group, barrier] = ["swap_group", "swap_barrier"]
+        .map(|key| section.optional_number(key, &allowed, problems).map(|number| number.round() as u32));
+    if group.is_none() && barrier.is_some() {
+        problems.add("window.swap_barrier", "needs swap_group: a group is bound to a barrier, not a window");
+    }
+    section.finish(&[], problems);
+    WindowSwaps { interval, group, barrier }
 }
 
 /// Reads a text that has only the table `content`.

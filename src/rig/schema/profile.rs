@@ -38,7 +38,7 @@ pub(in crate::rig) fn profile(text: &str, name: &str, problems: &mut Problems) -
         defaults.favour = views::favour(&mut section, usual.favour, problems);
         section.finish(&[], problems);
     }
-    let elsewhere = ["dome", "screen", "viewer", "content", "output"].map(|key| (key, "the rig file"));
+    let elsewhere = ["dome", "screen", "viewer", "content", "window", "output"].map(|key| (key, "the rig file"));
     root.finish(&elsewhere, problems);
     Some(Profile { name: name.to_owned(), file: None, executables, libraries, hint, environment, defaults })
 }

@@ -20,6 +20,7 @@ pub(crate) fn rig(outputs: Vec<Output>) -> Rig {
         overlay: Overlay { yaw: 0.0, pitch: 0.0, width: 1.0 },
         outputs,
         beside: Vec::new(),
+        window: crate::rig::WindowSwaps::default(),
     }
 }
 

@@ -14,6 +14,8 @@
  *   string ENUM TEXT       glGetString returns TEXT, and glGetStringi, too, if ENUM is
  *                          GL_EXTENSIONS
  *   status ENUM VALUE      glGetShaderiv and glGetProgramiv return VALUE
+ *   swaps ANSWER           the driver has GLX_NV_swap_group, whose functions return ANSWER; their
+ *                          arguments and swap intervals are written to stderr
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -139,6 +141,28 @@ static void answer_program(unsigned program, unsigned name, int *value)
         *value = (int)fault.last;
 }
 
+static void (*driver_interval)(void *display, unsigned long drawable, int interval);
+
+static void answer_interval(void *display, unsigned long drawable, int interval)
+{
+    fprintf(stderr, "swap interval %d\n", interval);
+    driver_interval(display, drawable, interval);
+}
+
+static int join_group(void *display, unsigned long drawable, unsigned group)
+{
+    (void)display, (void)drawable;
+    fprintf(stderr, "swap group %u\n", group);
+    return (int)fault.first;
+}
+
+static int bind_barrier(void *display, unsigned group, unsigned barrier)
+{
+    (void)display;
+    fprintf(stderr, "swap group %u at barrier %u\n", group, barrier);
+    return (int)fault.first;
+}
+
 #define REPLACE(function, driver, answer) \
     if (strcmp(name, function) == 0) { \
         void (*ours)(void) = (void (*)(void))answer; \
@@ -151,6 +175,12 @@ static void answer_program(unsigned program, unsigned name, int *value)
 static void *with_fault(const char *name, void *target)
 {
     REPLACE("glGetError", driver_error, answer_error)
+    if (strcmp(fault.kind, "swaps") == 0) {
+        void *unused;
+        REPLACE("glXSwapIntervalEXT", driver_interval, answer_interval)
+        REPLACE("glXJoinSwapGroupNV", unused, join_group)
+        REPLACE("glXBindSwapBarrierNV", unused, bind_barrier)
+    }
     bool refuses = strcmp(fault.kind, "call") == 0 || strcmp(fault.kind, "lost") == 0;
     if (refuses && strcmp(fault.name, name) == 0) {
         void (*entry)(void) = refused_entry;
@@ -184,12 +214,20 @@ static void read_fault(void)
     }
 }
 
+/* Whether the function is one of GLX_NV_swap_group that the driver gets by the fault. */
+static bool is_of_swap_groups(const char *name)
+{
+    if (strcmp(fault.kind, "swaps") != 0)
+        return false;
+    return strcmp(name, "glXJoinSwapGroupNV") == 0 || strcmp(name, "glXBindSwapBarrierNV") == 0;
+}
+
 static void *counted(const unsigned char *name)
 {
     /* inc qword ptr [rip + 9]; jmp qword ptr [rip + 11] */
     static const unsigned char code[16] = {0x48, 0xff, 0x05, 9, 0, 0, 0, 0xff, 0x25, 11, 0, 0, 0};
     void *target = real_address(name);
-    if (target == NULL || count == MOST)
+    if ((target == NULL && !is_of_swap_groups((const char *)name)) || count == MOST)
         return target;
     for (int i = 0; i < count; i++)
         if (strcmp(names[i], (const char *)name) == 0)

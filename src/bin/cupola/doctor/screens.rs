@@ -74,9 +74,10 @@ pub fn swap_groups(display: &Environment, device: Option<&Headless>) -> String {
     let vulkan = device.is_some_and(|device| device.api.has_extension(c"VK_NV_present_barrier"));
     let is = |there: bool| if there { "is there" } else { "is missing" };
     let words = format!("GLX_NV_swap_group {}, VK_NV_present_barrier {}", is(glx), is(vulkan));
-    match glx || vulkan {
-        true => format!("{words}; Cupola does not join them: programs and windows are swapped one by one"),
-        false => format!("{words}: displays begin to show a frame at different moments"),
+    match (glx, vulkan) {
+        (true, _) => format!("{words}; windows of OpenGL join one with window.swap_group in the rig"),
+        (false, true) => format!("{words}; Cupola joins groups of GLX only"),
+        (false, false) => format!("{words}: displays begin to show a frame at different moments"),
     }
 }
 

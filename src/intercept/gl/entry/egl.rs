@@ -4,9 +4,11 @@ use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::current;
 use crate::intercept::gl::context::registry;
 use crate::intercept::gl::entry::contexts;
+use crate::intercept::gl::entry::display_sync;
 use crate::intercept::gl::entry::vendor::{self, noted_calls, real_call};
 use crate::intercept::gl::frame::{front_buffer, present};
 use crate::intercept::gl::state::drawable::window::Window;
+use crate::intercept::process::log;
 use crate::lock::Lock;
 use crate::system::variable;
 use std::collections::HashMap;
@@ -197,9 +199,23 @@ unsafe extern "C" fn make_current(display: Pointer, draw: Pointer, read: Pointer
     ok
 }
 
+/// Returns the window that is about to be swapped, with the swap interval of the rig.
+fn synchronised(display: Pointer, surface: Pointer) -> Option<Window> {
+    let window = window(display, surface)?;
+    if let Some(wanted) = display_sync::take(surface as usize) {
+        if let Some(interval) = wanted.interval {
+            real_call!(c"eglSwapInterval", (Pointer, c_int) -> c_uint, display, interval as c_int);
+        }
+        if wanted.group.is_some() {
+            log::once("window.swap_group: EGL has no swap groups, so displays are not locked together");
+        }
+    }
+    Some(window)
+}
+
 unsafe extern "C" fn swap_buffers(display: Pointer, surface: Pointer) -> c_uint {
     present::swap(
-        window(display, surface),
+        synchronised(display, surface),
         1,
         || real_call!(c"eglSwapBuffers", (Pointer, Pointer) -> c_uint, display, surface),
     )
@@ -264,7 +280,7 @@ unsafe extern "C" fn swap_buffers_with_damage_khr(
     rects: *const c_int,
     count: c_int,
 ) -> c_uint {
-    let window = window(display, surface);
+    let window = synchronised(display, surface);
     let (rects, count) = damage(window.as_ref(), rects, count);
     present::swap(
         window,
@@ -279,7 +295,7 @@ unsafe extern "C" fn swap_buffers_with_damage_ext(
     rects: *const c_int,
     count: c_int,
 ) -> c_uint {
-    let window = window(display, surface);
+    let window = synchronised(display, surface);
     let (rects, count) = damage(window.as_ref(), rects, count);
     present::swap(
         window,
@@ -316,7 +332,10 @@ noted_calls! {
     c"eglCreatePlatformWindowSurfaceEXT" create_platform_window_surface_ext(display: Pointer, config: Pointer, native: Pointer, attributes: *const c_int) -> Pointer,
         |surface| note_surface(surface, x11_window(display, native));
     c"eglDestroySurface" destroy_surface(display: Pointer, surface: Pointer) -> c_uint,
-        |ok| known(|k| k.surfaces.remove(&(surface as usize)));
+        |ok| {
+            known(|k| k.surfaces.remove(&(surface as usize)));
+            display_sync::forget(surface as usize);
+        };
 }
 
 #[cfg(test)]

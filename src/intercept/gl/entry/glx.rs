@@ -5,9 +5,11 @@ use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::current;
 use crate::intercept::gl::context::registry;
 use crate::intercept::gl::entry::contexts;
+use crate::intercept::gl::entry::display_sync;
 use crate::intercept::gl::entry::vendor::{self, noted_calls, real_call};
 use crate::intercept::gl::frame::{front_buffer, present};
 use crate::intercept::gl::state::drawable::window::Window;
+use crate::intercept::process::log;
 use crate::lock::Lock;
 use crate::system::variable;
 use std::collections::HashMap;
@@ -169,9 +171,54 @@ unsafe extern "C" fn make_context_current(display: Pointer, draw: c_ulong, read:
     ok
 }
 
+/// Returns the window that is about to be swapped, with the swap interval and the swap group of the
+/// rig. NVIDIA's driver wants these from the thread that swaps.
+fn synchronised(display: Pointer, drawable: c_ulong) -> Option<Window> {
+    let window = window(display, drawable)?;
+    if let Some(wanted) = display_sync::take(drawable as usize) {
+        wanted.interval.into_iter().for_each(|interval| set_interval(display, drawable, interval));
+        wanted.group.into_iter().for_each(|group| join_group(display, drawable, group, wanted.barrier));
+    }
+    Some(window)
+}
+
+fn set_interval(display: Pointer, drawable: c_ulong, interval: u32) {
+    if !real(c"glXSwapIntervalEXT").is_null() {
+        real_call!(c"glXSwapIntervalEXT", (Pointer, c_ulong, c_int) -> (), display, drawable, interval as c_int);
+    } else if !real(c"glXSwapIntervalMESA").is_null() {
+        real_call!(c"glXSwapIntervalMESA", (u32) -> c_int, interval);
+    } else {
+        log::once("window.swap_interval: the driver has no such setting");
+    }
+}
+
+fn join_group(display: Pointer, drawable: c_ulong, group: u32, barrier: Option<u32>) {
+    let joined = !real(c"glXJoinSwapGroupNV").is_null()
+        && real_call!(c"glXJoinSwapGroupNV", (Pointer, c_ulong, u32) -> c_int, display, drawable, group) != 0;
+    if !joined {
+        log::once(&format!(
+            "window.swap_group: the driver does not let the window join group {group}, so displays are not locked \
+             together; `cupola doctor` says whether it has swap groups"
+        ));
+        return;
+    }
+    let Some(barrier) = barrier else {
+        return log::once(&format!("the window has joined swap group {group}"));
+    };
+    let bound = !real(c"glXBindSwapBarrierNV").is_null()
+        && real_call!(c"glXBindSwapBarrierNV", (Pointer, u32, u32) -> c_int, display, group, barrier) != 0;
+    log::once(&match bound {
+        true => format!("the window has joined swap group {group} and barrier {barrier}"),
+        false => format!(
+            "window.swap_barrier: the window has joined swap group {group}, but the driver does not bind the group to \
+             barrier {barrier}: is the synchronisation card connected?"
+        ),
+    });
+}
+
 unsafe extern "C" fn swap_buffers(display: Pointer, drawable: c_ulong) {
     present::swap(
-        window(display, drawable),
+        synchronised(display, drawable),
         (),
         || real_call!(c"glXSwapBuffers", (Pointer, c_ulong) -> (), display, drawable),
     );
@@ -202,7 +249,7 @@ unsafe extern "C" fn swap_buffers_msc(
     remainder: i64,
 ) -> i64 {
     present::swap(
-        window(display, drawable),
+        synchronised(display, drawable),
         0,
         || real_call!(c"glXSwapBuffersMscOML", (Pointer, c_ulong, i64, i64, i64) -> i64, display, drawable, target, divisor, remainder),
     )
@@ -212,6 +259,7 @@ unsafe extern "C" fn swap_buffers_msc(
 fn forget_drawable(drawable: c_ulong) {
     let mut drawables = DRAWABLES.locked();
     drawables.get_or_insert_with(HashMap::new).remove(&drawable);
+    display_sync::forget(drawable as usize);
 }
 
 noted_calls! {

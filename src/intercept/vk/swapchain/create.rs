@@ -9,12 +9,13 @@ use crate::intercept::process::settings::{self, Settings};
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::state::device;
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::structures::in_chain;
 use crate::intercept::vk::state::swapchains::formats::{TexelFormat, is_usual};
 use crate::intercept::vk::state::swapchains::{PictureSource, StandIn, Swapchain};
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::views::vertices::VertexProcessing;
 use crate::lock::Lock;
-use crate::rig::{Duplicate, Method, Rig};
+use crate::rig::{Duplicate, Method, Rig, WindowSwaps};
 use ash::prelude::VkResult;
 use ash::vk::{self, Handle};
 use std::sync::atomic::Ordering;
@@ -164,6 +165,10 @@ pub unsafe extern "system" fn create(
         // The correction makes views of the images at once, which needs the memory of the images.
         changed.flags &= !vk::SwapchainCreateFlagsKHR::DEFERRED_MEMORY_ALLOCATION_EXT;
     }
+    let live = live::rig();
+    let swaps = live.as_ref().map_or(settings.rig.window, |live| live.rig.window);
+    // SAFETY: the program's own call.
+    changed.present_mode = unsafe { present_mode(&device, given, swaps) };
     let result = next(&changed);
     if result != vk::Result::SUCCESS {
         return result;
@@ -171,6 +176,42 @@ pub unsafe extern "system" fn create(
     // SAFETY: the driver has just made it.
     unsafe { manage(&device, *swapchain, given, supported, settings) };
     vk::Result::SUCCESS
+}
+
+/// Returns the present mode for the rig's swap interval, or the program's.
+///
+/// # Safety
+/// The structure must be one that the program passes for this device.
+unsafe fn present_mode(
+    device: &Device,
+    given: &vk::SwapchainCreateInfoKHR<'_>,
+    swaps: WindowSwaps,
+) -> vk::PresentModeKHR {
+    if swaps.group.is_some() {
+        log::once("window.swap_group: Vulkan's windows join no swap group, so displays are not locked together");
+    }
+    let Some(interval) = swaps.interval else { return given.present_mode };
+    // SAFETY: as promised.
+    let chosen_later = unsafe {
+        in_chain::<vk::SwapchainPresentModesCreateInfoEXT<'_>>(
+            given.p_next,
+            vk::StructureType::SWAPCHAIN_PRESENT_MODES_CREATE_INFO_EXT,
+        )
+    };
+    if chosen_later.is_some() {
+        log::once("window.swap_interval: the program itself chooses how long each frame waits");
+        return given.present_mode;
+    }
+    if interval > 0 {
+        return vk::PresentModeKHR::FIFO;
+    }
+    let (mut modes, mut count) = ([vk::PresentModeKHR::FIFO; 16], 16);
+    let ask = device.driver.instance.surface.get_physical_device_surface_present_modes_khr;
+    // SAFETY: the program's surface; there is room for as many modes as the number says.
+    let answer = unsafe { ask(device.driver.physical, given.surface, &mut count, modes.as_mut_ptr()) };
+    let known = if answer == vk::Result::SUCCESS { &modes[..count.min(16) as usize] } else { &[] };
+    let wanted = [vk::PresentModeKHR::IMMEDIATE, vk::PresentModeKHR::MAILBOX];
+    wanted.into_iter().find(|mode| known.contains(mode)).unwrap_or(given.present_mode)
 }
 
 /// Takes charge of a new swapchain. If it cannot be corrected, its frames are still counted and
