@@ -79,7 +79,7 @@ macro_rules! built_in {
     };
 }
 
-built_in!["minetest", "openarena", "stellarium", "vtk"];
+built_in!["minetest", "openarena", "stellarium", "supertuxkart", "vtk"];
 
 /// Profiles by their names. The user's come before the built-in ones.
 #[derive(Clone, Debug, Default)]
