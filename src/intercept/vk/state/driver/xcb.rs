@@ -7,9 +7,6 @@ use std::ffi::{c_char, c_int, c_void};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-/// Size in pixels.
-type Size = (u32, u32);
-
 /// Time that a window manager gets to change a size. The program waits meanwhile.
 const PATIENCE: Duration = Duration::from_millis(300);
 
@@ -144,7 +141,7 @@ impl XcbWindow {
     ///
     /// # Safety
     /// The connection must be live.
-    pub unsafe fn resize(self, size: Size) -> bool {
+    pub unsafe fn resize(self, size: (u32, u32)) -> bool {
         let Some(library) = library() else { return false };
         let server = Server { library, connection: self.connection as Connection };
         // SAFETY: as promised.
@@ -200,7 +197,7 @@ impl Server {
         }
     }
 
-    unsafe fn size(&self, window: u32) -> Option<Size> {
+    unsafe fn size(&self, window: u32) -> Option<(u32, u32)> {
         // SAFETY: the connection is live.
         unsafe {
             let cookie = (self.library.get_geometry)(self.connection, window);
@@ -243,7 +240,7 @@ impl Server {
 
     /// Changes the size hints of a window so that they permit a size. A window manager would keep a
     /// window that has one size at that size.
-    unsafe fn permit(&self, window: u32, size: Size) {
+    unsafe fn permit(&self, window: u32, size: (u32, u32)) {
         let [property, kind] = NORMAL_HINTS;
         // SAFETY: the connection is live; all numbers of the value are there if the length says so.
         unsafe {
@@ -272,7 +269,7 @@ impl Server {
         }
     }
 
-    unsafe fn configure(&self, window: u32, (width, height): Size) {
+    unsafe fn configure(&self, window: u32, (width, height): (u32, u32)) {
         // SAFETY: the connection is live.
         unsafe {
             let values = [0, 0, width, height];
@@ -282,7 +279,7 @@ impl Server {
 }
 
 /// Permits a size in size hints. Returns true if it was not permitted.
-fn permit(hints: &mut [i32; HINTS], size: Size) -> bool {
+fn permit(hints: &mut [i32; HINTS], size: (u32, u32)) -> bool {
     // `PMinSize`, `PMaxSize`, `PResizeInc`, `PAspect` of Xlib.
     const LEAST: i32 = 1 << 4;
     const MOST: i32 = 1 << 5;

@@ -1,9 +1,10 @@
 //! Layouts in which all tiles are as large as the program's picture, for images that compute
 //! shaders read or write.
 
-use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect, ViewTile};
+use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect};
+use crate::intercept::vk::state::views::image_layout::Tiles;
 use crate::lock::Lock;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 /// Texels between two tiles.
 const GAP: u32 = 1;
@@ -47,24 +48,14 @@ impl AtlasLayout {
             0 => before + first as u32,
             index => before + index as u32,
         };
-        let rect = |(index, view): (usize, &ViewTile)| ViewTile { rect: tile(number(index)), ..*view };
-        Self {
-            session: Arc::clone(&self.session),
-            plan: self.plan.clone(),
-            version: self.version,
-            window: size,
-            pixels: self.pixels_of(size, part),
-            part,
+        let tiles = Tiles {
             even: true,
-            of_images: Mutex::default(),
             atlas: (columns * width, count.div_ceil(columns) * height),
             panel: tile(count - 1),
             primary: primary.then(|| tile(0)),
-            read: self.read,
-            views: self.views.iter().enumerate().map(rect).collect(),
-            lenses: self.lenses.clone(),
-            outputs: self.outputs.clone(),
-        }
+            views: (0..self.views.len()).map(|index| tile(number(index))).collect(),
+        };
+        self.with_tiles(size, part, tiles)
     }
 }
 

@@ -4,6 +4,17 @@ use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect, V
 use crate::lock::Lock;
 use std::sync::{Arc, Mutex};
 
+/// Tiles of a layout.
+pub(super) struct Tiles {
+    /// True if all are as large as the program's picture.
+    pub even: bool,
+    /// Size of the atlas.
+    pub atlas: (u32, u32),
+    pub panel: AtlasRect,
+    pub primary: Option<AtlasRect>,
+    pub views: Vec<AtlasRect>,
+}
+
 impl AtlasLayout {
     /// Returns the layout for an image of `size` on its way to this window, or to a `part` of it.
     /// Its tiles are scaled by the same ratio, but only as far as an image of `most` texels in width
@@ -24,7 +35,7 @@ impl AtlasLayout {
 
     /// Returns the number of pixels of an image of `size` divided by the number of this window's
     /// that it fills.
-    pub(super) fn pixels_of(&self, size: (u32, u32), part: Option<AtlasRect>) -> f64 {
+    fn pixels_of(&self, size: (u32, u32), part: Option<AtlasRect>) -> f64 {
         let filled = self.filled(part);
         f64::from(size.0) * f64::from(size.1) / (f64::from(filled.0) * f64::from(filled.1))
     }
@@ -62,6 +73,21 @@ impl AtlasLayout {
             let length = (f64::from(atlas) * scale).ceil() as u32 + 1;
             if exact { length } else { length.min(most) }
         };
+        let tiles = Tiles {
+            even: false,
+            atlas: (length(self.atlas.0, across), length(self.atlas.1, down)),
+            panel: picture(self.panel),
+            primary: self.primary.map(picture),
+            views: self.views.iter().map(|view| rect(view.rect)).collect(),
+        };
+        self.with_tiles(size, part, tiles)
+    }
+
+    /// Returns the layout with these tiles for an image of `size` on its way to the window, or to a
+    /// `part` of it.
+    pub(super) fn with_tiles(&self, size: (u32, u32), part: Option<AtlasRect>, tiles: Tiles) -> Self {
+        let Tiles { even, atlas, panel, primary, views } = tiles;
+        let views = self.views.iter().zip(views).map(|(view, rect)| ViewTile { rect, ..*view });
         Self {
             session: Arc::clone(&self.session),
             plan: self.plan.clone(),
@@ -69,13 +95,13 @@ impl AtlasLayout {
             window: size,
             pixels: self.pixels_of(size, part),
             part,
-            even: false,
+            even,
             of_images: Mutex::default(),
-            atlas: (length(self.atlas.0, across), length(self.atlas.1, down)),
-            panel: picture(self.panel),
-            primary: self.primary.map(picture),
+            atlas,
+            panel,
+            primary,
             read: self.read,
-            views: self.views.iter().map(|view| ViewTile { rect: rect(view.rect), ..*view }).collect(),
+            views: views.collect(),
             lenses: self.lenses.clone(),
             outputs: self.outputs.clone(),
         }
