@@ -366,3 +366,20 @@ fn setup_takes_calibrations_over_and_says_what_not() {
     CUPOLA.refused(&["setup", rig.to_str().unwrap(), "--from", archive.to_str().unwrap()], "beside-back.pfm exists");
     assert!(std::fs::read(&map).unwrap() == b"mine" && !rig.exists() && !other.exists());
 }
+
+/// A reader that wants no more is no error. A full disk is one, with a message.
+#[test]
+fn standard_output_that_cannot_be_written_ends_the_command() {
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
+    let output = Command::new(env!("CARGO_BIN_EXE_cupola")).args(["check", "--presets"]).stdout(full).output().unwrap();
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{words}");
+    assert!(words.starts_with("cupola: standard output cannot be written: No space left"), "{words}");
+    for command in [env!("CARGO_BIN_EXE_cupola"), env!("CARGO_BIN_EXE_cupola-lab")] {
+        // The shell reports the exit code after the reader has ended.
+        let script = "{ sleep 0.3; \"$0\" $1; echo $? >&2; } | true";
+        let arguments = if command.ends_with("lab") { "structure" } else { "check --presets" };
+        let output = Command::new("sh").args(["-c", script, command, arguments]).output().unwrap();
+        assert_eq!(String::from_utf8_lossy(&output.stderr), "0\n", "{command}");
+    }
+}

@@ -6,6 +6,11 @@
 
 #![deny(unsafe_code)]
 
+// Before the others, which use its macros.
+#[macro_use]
+#[path = "../shared/output.rs"]
+mod output;
+
 #[path = "../shared/arguments.rs"]
 mod arguments;
 #[path = "../shared/display.rs"]

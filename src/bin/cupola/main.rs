@@ -8,6 +8,11 @@
 // The fuzz target `serve` is this program with the entry point of libFuzzer.
 #![cfg_attr(fuzzing, no_main, allow(dead_code))]
 
+// Before the others, which use its macros.
+#[macro_use]
+#[path = "../shared/output.rs"]
+mod output;
+
 #[path = "../shared/arguments.rs"]
 mod arguments;
 #[path = "../shared/display.rs"]
