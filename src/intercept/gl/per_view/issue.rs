@@ -7,7 +7,7 @@ use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::shader::camera_matrices::upload;
-use crate::intercept::gl::shader::counters::{self, KeptCounts};
+use crate::intercept::gl::shader::changed_buffers::{self, KeptValues};
 use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::shader::source::frag_coord;
 use crate::intercept::gl::state::app::AppState;
@@ -18,6 +18,7 @@ use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::shader::Shaders;
+use crate::intercept::gl::state::shader::programs::ChangedBuffer;
 use crate::intercept::gl::state::shader::variants::{InUse, Variant};
 use crate::intercept::scene::query_scaling::QueryScaling;
 use std::sync::Arc;
@@ -168,16 +169,16 @@ fn plain_reprojection(share: &ShareGroup, driver: &Driver, draw: &DrawState, sha
 
 /// Keeps repetitions of a draw invisible to the program. Vertex attributes and other state that the
 /// draw sets are restored in between, transform feedback records the draw once, and atomic counters
-/// have the counts of the last time.
+/// and storage buffers have the values of the last time.
 pub struct Repeats {
     mask: u32,
     /// True if the material follows the colour.
     follows: bool,
     feedback: bool,
-    /// Bindings of atomic counters, with their sizes.
-    counters: Vec<(u32, usize)>,
-    /// Counts before the draw.
-    counts: Option<KeptCounts>,
+    /// Buffers that the shaders change.
+    changed: Vec<ChangedBuffer>,
+    /// Their values before the draw.
+    values: Option<KeptValues>,
 }
 
 impl Repeats {
@@ -194,20 +195,20 @@ impl Repeats {
         let follows = mask != 0 && driver.known_state.is_on(driver.gl, api::GL_COLOR_MATERIAL);
         // Before OpenGL 4.0 there is no pause, so every repetition is recorded.
         let feedback = app.feedback() && driver.gl.has_pause_transform_feedback();
-        Self { mask, follows, feedback, counters: Vec::new(), counts: None }
+        Self { mask, follows, feedback, changed: Vec::new(), values: None }
     }
 
-    /// Counts a draw of the present shaders once.
+    /// Lets a draw of the present shaders change buffers once.
     pub fn counting(self, share: &ShareGroup, shaders: &Shaders) -> Self {
-        Self { counters: counters::present(share, shaders), ..self }
+        Self { changed: changed_buffers::present(share, shaders), ..self }
     }
 
     /// Runs `issue` for the `number`-th time. Restores what it changes, unless it is the `last`
     /// time.
     pub(in crate::intercept::gl) fn around(&mut self, gl: &Gl, number: usize, last: bool, issue: impl FnOnce()) {
-        match &self.counts {
-            Some(counts) => counts.put_back(gl),
-            None if !last && !self.counters.is_empty() => self.counts = Some(KeptCounts::keep(gl, &self.counters)),
+        match &self.values {
+            Some(values) => values.put_back(gl),
+            None if !last && !self.changed.is_empty() => self.values = Some(KeptValues::keep(gl, &self.changed)),
             None => {}
         }
         if self.feedback && number == 1 {
@@ -219,8 +220,8 @@ impl Repeats {
             // SAFETY: paused above.
             unsafe { gl.resume_transform_feedback() };
         }
-        if let Some(counts) = self.counts.take_if(|_| last) {
-            counts.delete(gl);
+        if let Some(values) = self.values.take_if(|_| last) {
+            values.delete(gl);
         }
     }
 

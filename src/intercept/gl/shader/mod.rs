@@ -5,13 +5,13 @@
 //! programs in [`introspection`]. [`programs`], [`uniforms`] and [`attribute_matrices`] find the
 //! lens. [`source`] reads the texts of shaders and changes them, [`assembly`] those of ARB
 //! programs. [`camera_matrices`] lets shaders choose between the program's matrices of its camera
-//! and those of a view. [`position`] finds in the linked program what the text proves, [`counters`]
-//! its atomic counters.
+//! and those of a view. [`position`] finds in the linked program what the text proves,
+//! [`changed_buffers`] the buffers that its draws change.
 
 pub mod assembly;
 pub mod attribute_matrices;
 pub mod camera_matrices;
-pub mod counters;
+pub mod changed_buffers;
 pub mod introspection;
 pub mod linking;
 pub mod position;

@@ -13,7 +13,7 @@ use crate::intercept::gl::shader::programs::forget_program;
 use crate::intercept::gl::shader::source::patch;
 use crate::intercept::gl::shader::source::{compute, dependence};
 use crate::intercept::gl::shader::uniforms::location;
-use crate::intercept::gl::shader::{attribute_matrices, camera_matrices, counters, samplers, uniforms};
+use crate::intercept::gl::shader::{attribute_matrices, camera_matrices, changed_buffers, samplers, uniforms};
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::shader::position_names::PositionNames;
@@ -125,6 +125,10 @@ fn record(driver: &Driver, program: u32, texts: &Texts<'_>, linked: &Linked) -> 
     let mut record = read_program(gl, profile, program, linked.changes.position, stages, fixed, position_names);
     if texts.curved {
         record.texts = shaders.iter().filter_map(|s| Some((s.1, sources.get(&s.0)?.clone()))).collect();
+    }
+    let drawing = shaders.iter().filter(|shader| shader.1 != api::GL_COMPUTE_SHADER);
+    if drawing.filter_map(|shader| sources.get(&shader.0)).any(|source| compute::may_write_buffers(source)) {
+        record.changed_buffers.extend(changed_buffers::storage_of(gl, program));
     }
     record.subroutines = sources.values().any(|source| patch::mentions(source, "subroutine"));
     record.chooses_viewport = sources.values().any(|source| patch::mentions(source, "gl_ViewportIndex"));
@@ -301,7 +305,7 @@ fn read_program(
         own_locations: uniforms::locations(gl, name, &own_uniforms),
         own_uniforms,
         failed: AtomicU32::new(0),
-        counters: counters::of_program(gl, profile, name),
+        changed_buffers: changed_buffers::of_program(gl, profile, name),
         stages,
         fixed_matrices,
         samplers: samplers::of_program(gl, name),

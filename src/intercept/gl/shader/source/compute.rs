@@ -78,21 +78,44 @@ fn is_read_only(words: &[&str], name: &str) -> bool {
     words[..at].iter().rev().take_while(|word| !matches!(**word, ";" | "{" | "}")).any(|word| *word == "readonly")
 }
 
+/// True if a shader with this text may write to a storage buffer.
+pub fn may_write_buffers(source: &str) -> bool {
+    let bare = tokens::bare(source);
+    let words = all_words(&bare);
+    words.contains(&"buffer") && ways_to_write(&bare, &words).is_some_and(|ways| ways.atomics || ways.others)
+}
+
 /// Returns the kind of writes to buffers that a text may perform.
 fn writes(bare: &str, words: &[&str]) -> BufferWrites {
-    let counters = words.contains(&"atomic_uint");
+    match ways_to_write(bare, words) {
+        None if words.contains(&"atomic_uint") => BufferWrites::Sums,
+        None => BufferWrites::Nothing,
+        Some(Ways { atomics: true, others: false }) => BufferWrites::Sums,
+        Some(_) => BufferWrites::Places,
+    }
+}
+
+/// Ways in which a text may write to storage buffers.
+struct Ways {
+    /// By atomic functions.
+    atomics: bool,
+    /// By assignments, functions or macros.
+    others: bool,
+}
+
+/// Returns the ways in which a text may write to storage buffers; `None` if it has none that it may
+/// write.
+fn ways_to_write(bare: &str, words: &[&str]) -> Option<Ways> {
     let mut buffers = words.iter().enumerate().filter(|(_, word)| **word == "buffer").map(|(at, _)| at).filter(|at| {
         let before = words[..*at].iter().rev().take_while(|word| !matches!(**word, ";" | "{" | "}"));
         let behind = words[*at..].iter().take_while(|word| !matches!(**word, ";" | "{"));
         !before.chain(behind).any(|word| *word == "readonly")
     });
-    let Some(first) = buffers.next() else {
-        return if counters { BufferWrites::Sums } else { BufferWrites::Nothing };
-    };
+    let first = buffers.next()?;
     let mut members = Vec::new();
     std::iter::once(first).chain(buffers).for_each(|at| block_members(&words[at..], &mut members));
     let shared = shared_names(words);
-    let adds = words.windows(3).any(|part| {
+    let atomics = words.windows(3).any(|part| {
         let is_atomic = part[0].starts_with("atomic") && part[0] != "atomic_uint";
         is_atomic && part[1] == "(" && !shared.contains(&part[2])
     });
@@ -101,10 +124,7 @@ fn writes(bare: &str, words: &[&str]) -> BufferWrites {
         let body = all_words(line);
         body.iter().any(|word| members.contains(word))
     });
-    match adds && !in_macros && !assigns(words, &members) {
-        true => BufferWrites::Sums,
-        false => BufferWrites::Places,
-    }
+    Some(Ways { atomics, others: in_macros || assigns(words, &members) })
 }
 
 /// Adds the names by which the text uses the members of a block: the name of the block's instance,
@@ -217,6 +237,20 @@ mod tests {
             ("// buffer\nvoid main() {}", BufferWrites::Nothing),
         ] {
             assert_eq!(writes(text), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn buffers_that_are_only_read_are_not_written() {
+        for (text, expected) in [
+            ("buffer B { mat4 b[]; } all; void main() { gl_Position = all.b[gl_InstanceID] * p; }", false),
+            ("buffer B { uint n, b[]; }; void main() { if (b[2] == n) discard; }", false),
+            ("buffer B { uint b[]; } all; void main() { all.b[3] = 1u; }", true),
+            ("buffer B { uint n; }; void main() { atomicAdd(n, 1u); }", true),
+            ("buffer B { uint n; };\n#define PUT n\nvoid main() { PUT = 1u; }", true),
+            ("layout(binding = 0) uniform atomic_uint c; void main() { atomicCounterIncrement(c); }", false),
+        ] {
+            assert_eq!(super::may_write_buffers(text), expected, "{text}");
         }
     }
 

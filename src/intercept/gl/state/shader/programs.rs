@@ -35,6 +35,25 @@ pub struct Programs {
     pub(in crate::intercept::gl) assembly: HashMap<u32, Arc<AssemblyProgram>>,
 }
 
+/// A buffer that shaders change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ChangedBuffer {
+    /// Atomic counters.
+    Counters {
+        /// Their binding.
+        binding: u32,
+        /// Their size in bytes.
+        size: usize,
+    },
+    /// A storage buffer.
+    Storage {
+        /// The program.
+        program: u32,
+        /// Number of its block, whose binding the application may change.
+        block: u32,
+    },
+}
+
 /// Settings for the next link of a program, by their kind and name: commands for another program.
 pub(in crate::intercept::gl) type LinkSettings = BTreeMap<(u8, CString), Arc<dyn Fn(&Gl, u32) + Send + Sync>>;
 
@@ -105,8 +124,8 @@ pub struct Program {
     /// Name of a program of Cupola without an executable, which answers for this one: this one was
     /// linked again without success while it was in use, and so keeps its executable. 0 = none.
     pub(in crate::intercept::gl) failed: AtomicU32,
-    /// Bindings of its atomic counters, with the size of the counters in bytes.
-    pub counters: Vec<(u32, usize)>,
+    /// Buffers that its shaders change.
+    pub changed_buffers: Vec<ChangedBuffer>,
     /// The bits of its stages that lie before rasterisation, as for `glUseProgramStages`.
     pub(in crate::intercept::gl) stages: u32,
     /// True if the program uses the fixed-function matrices.
