@@ -162,7 +162,8 @@ pub fn crashes_mesa(line: &str, draws: bool) -> bool {
         "glNamedFramebufferDrawBuffers" | "glFramebufferDrawBuffersEXT" => {
             arguments.first() == Some(&"0") && arguments.get(2).is_some_and(|names| names.contains("1024"))
         }
-        _ if name.contains("NamedProgramLocalParameter") => arguments.get(2).is_some_and(|index| *index == "-1"),
+        // An index or a number of parameters below 0 writes to foreign memory.
+        _ if name.contains("NamedProgramLocalParameter") => arguments.iter().skip(2).take(2).any(|word| *word == "-1"),
         _ => !draws && ["glArrayElement", "glBitmap", "glRasterPos"].iter().any(|start| name.starts_with(start)),
     }
 }
@@ -176,6 +177,7 @@ mod tests {
         assert!(crashes_mesa("v glBindImageTextures 80 -1 [nt0,t3", true));
         assert!(!crashes_mesa("v glBindImageTextures 80 1 [nt0", true));
         assert!(crashes_mesa("v glNamedProgramLocalParameter4dvEXT %p2 0x9083 -1 [d0.25", true));
+        assert!(crashes_mesa("v glNamedProgramLocalParameters4fvEXT %p1 0x958c 2 -1 ~0", true));
         assert!(crashes_mesa("v glBitmap 0 64 f1 f64 f0.5 f-0.5 @u0", false));
         assert!(crashes_mesa("v glProgramStringARB 0x86cd 0x86d2 -1 ~16", true));
         assert!(!crashes_mesa("v glProgramStringARB 0x86cd 0x86d2 16 ~16", true));
