@@ -230,10 +230,10 @@ hooks! {
         if !ctx.compat.immediate.under_way() {
             return ctx.driver.error();
         }
-        // Between Begin and End this call is an error, and returns none.
+        // Between Begin and End this call is an error, and should return none.
         let error = gl.get_error();
-        if error != api::GL_NO_ERROR && !ctx.compat.immediate.apart {
-            ctx.compat.immediate.was_refused(gl);
+        if error != api::GL_NO_ERROR {
+            ctx.compat.immediate.refuses(gl);
         }
         error
     };

@@ -88,7 +88,7 @@ impl Immediate {
     }
 
     /// The driver has refused the program's `glBegin`, and with it the commands since then.
-    pub(in crate::intercept::gl) fn was_refused(&mut self, gl: &Gl) {
+    fn was_refused(&mut self, gl: &Gl) {
         self.phase = Phase::Outside;
         // SAFETY: the program's own commands, outside of Begin/End, as without Cupola.
         unsafe { self.recorder.play(gl) };
