@@ -94,12 +94,21 @@ void call_setup(void)
         signal(signals[i], crashed);
 }
 
+/*
+ * Returns a name for an empty slot that OpenGL never makes, also if the program uses the names of
+ * other empty slots: then OpenGL makes the numbers that follow these.
+ */
+static unsigned unmade(int slot)
+{
+    return 0xf00000u + ((unsigned)slot << 16);
+}
+
 void call_begin(bool has_fixed_function)
 {
     call_has_fixed_function = has_fixed_function;
     for (int kind = 0; kind < 26; kind++) {
         for (int slot = 0; slot < CALL_SLOTS; slot++)
-            call_names[kind][slot] = 0xf00000u + (unsigned)slot; /* a name that OpenGL never makes */
+            call_names[kind][slot] = unmade(slot);
     }
 }
 
@@ -271,7 +280,7 @@ static bool is_deletion(const call_function *function)
 static void forget(const call_argument *argument)
 {
     if (argument->kind == '%') {
-        *name_of(argument->letter, argument->number) = 0xf00000u + (unsigned)(argument->number & (CALL_SLOTS - 1));
+        *name_of(argument->letter, argument->number) = unmade((int)argument->number & (CALL_SLOTS - 1));
         return;
     }
     for (const char *text = argument->text; *text != '\0' && *text != ']'; text += strcspn(text, ",]"), text += *text == ',') {

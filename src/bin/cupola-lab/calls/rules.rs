@@ -29,12 +29,14 @@ pub fn begins(name: &str, beginning: &str) -> bool {
 }
 
 /// Prefixes of the names of commands that are not called, with the reason.
-pub const LEFT_OUT: [(&str, &str); 37] = [
+pub const LEFT_OUT: [(&str, &str); 39] = [
     ("glGetn", "takes sizes of areas that are not those of the areas here"),
     ("glReadnPixels", "the same"),
     ("glMultiModeDraw", "takes lists of modes by a stride"),
     ("glEGLImage", "takes images of EGL"),
     ("glFramebufferTexture3DOES", "limit: for the window it is not refused"),
+    ("glFramebufferParameteri", "Mesa 22.3 waits for itself at the next flush if a primitive was just drawn"),
+    ("glNamedFramebufferParameteri", "the same"),
     ("glEvalCoord", "Mesa 22.3 leaves the values of evaluators in current attributes"),
     ("glProgramBinary", "binaries of programs are a known limit"),
     ("glGetProgramBinary", "the same"),
@@ -127,7 +129,7 @@ pub const WEIGHTS: [(&str, u32); 52] = [
 ];
 
 /// Values that are never used, by the names of command (its prefix) and value, with the reason.
-pub const VALUES_LEFT_OUT: [(&str, &str, &str); 20] = [
+pub const VALUES_LEFT_OUT: [(&str, &str, &str); 12] = [
     ("glNewList", "GL_COMPILE_AND_EXECUTE", "limit: the list is executed when it is complete"),
     ("glEnable", "GL_DEBUG_OUTPUT_SYNCHRONOUS", "messages are not compared"),
     ("glDrawBuffer", "GL_FRONT", "limit: front and back buffer are one"),
@@ -138,23 +140,11 @@ pub const VALUES_LEFT_OUT: [(&str, &str, &str); 20] = [
     ("glNamedFramebufferDrawBuffer", "GL_LEFT", "the same"),
     ("glNamedFramebufferDrawBuffer", "GL_FRONT_AND_BACK", "the same"),
     ("glReadBuffer", "GL_FRONT", "limit: front and back buffer are one"),
-    (
-        "glNamedFramebufferReadBuffer",
-        "GL_FRONT",
-        "Mesa 22.3 has no front buffer until a command on what is bound names it",
-    ),
-    ("glNamedFramebufferReadBuffer", "GL_FRONT_AND_BACK", "the same"),
-    ("glNamedFramebufferReadBuffer", "GL_BACK", "the same"),
-    ("glNamedFramebufferReadBuffer", "GL_LEFT", "the same"),
-    ("glFramebufferReadBufferEXT", "GL_FRONT", "the same"),
-    ("glFramebufferReadBufferEXT", "GL_FRONT_AND_BACK", "the same"),
-    ("glFramebufferReadBufferEXT", "GL_BACK", "the same"),
-    ("glFramebufferReadBufferEXT", "GL_LEFT", "the same"),
     ("glGet", "GL_TIMESTAMP", "the time"),
     ("glBeginQuery", "GL_TIME_ELAPSED", "the time"),
 ];
 
-/// True if Mesa 22.3 crashes in this call, or gives an undefined answer, without Cupola. `draws`:
+/// True if Mesa 22.3 crashes in this call, or gives a wrong or undefined answer, without Cupola. `draws`:
 /// Mesa draws; without drawing it keeps no memory for textures without width, maps no arrays, and
 /// computes no raster positions by shaders.
 pub fn crashes_mesa(line: &str, draws: bool) -> bool {
@@ -166,7 +156,16 @@ pub fn crashes_mesa(line: &str, draws: bool) -> bool {
         _ if name.starts_with("glMatrix") && name.ends_with("EXT") => arguments.first() == Some(&"0x1702"),
         // A list with a text of this length frees memory of others when it is replaced.
         "glProgramStringARB" | "glNamedProgramStringEXT" => arguments.iter().rev().nth(1) == Some(&"-1"),
-        _ if name.contains("NamedProgramLocalParameter") => arguments.get(2).is_some_and(|index| *index == "-1"),
+        // The window has no front buffer until a command on what is bound names it, and no type to
+        // read with after its read buffer was set by name while it was not bound.
+        "glNamedFramebufferReadBuffer" | "glFramebufferReadBufferEXT" => {
+            arguments.first() == Some(&"0") && arguments.get(1).is_some_and(|name| name.starts_with("0x40"))
+        }
+        "glNamedFramebufferDrawBuffers" | "glFramebufferDrawBuffersEXT" => {
+            arguments.first() == Some(&"0") && arguments.get(2).is_some_and(|names| names.contains("1024"))
+        }
+        // An index or a number of parameters below 0 writes to foreign memory.
+        _ if name.contains("NamedProgramLocalParameter") => arguments.iter().skip(2).take(2).any(|word| *word == "-1"),
         _ => !draws && ["glArrayElement", "glBitmap", "glRasterPos"].iter().any(|start| name.starts_with(start)),
     }
 }
@@ -180,9 +179,14 @@ mod tests {
         assert!(crashes_mesa("v glBindImageTextures 80 -1 [nt0,t3", true));
         assert!(!crashes_mesa("v glBindImageTextures 80 1 [nt0", true));
         assert!(crashes_mesa("v glNamedProgramLocalParameter4dvEXT %p2 0x9083 -1 [d0.25", true));
+        assert!(crashes_mesa("v glNamedProgramLocalParameters4fvEXT %p1 0x958c 2 -1 ~0", true));
         assert!(crashes_mesa("v glBitmap 0 64 f1 f64 f0.5 f-0.5 @u0", false));
         assert!(crashes_mesa("v glProgramStringARB 0x86cd 0x86d2 -1 ~16", true));
         assert!(!crashes_mesa("v glProgramStringARB 0x86cd 0x86d2 16 ~16", true));
+        assert!(crashes_mesa("v glNamedFramebufferReadBuffer 0 0x405", true));
+        assert!(!crashes_mesa("v glNamedFramebufferReadBuffer %f0 0x405", true));
+        assert!(crashes_mesa("v- glFramebufferDrawBuffersEXT 0 2 [i1026,1024", true));
+        assert!(!crashes_mesa("v glFramebufferDrawBuffersEXT 0 1 [i1026", true));
         assert!(crashes_mesa("v glMatrixLoadIdentityEXT 0x1702", true));
         assert!(!crashes_mesa("v glBitmap 0 64 f1 f64 f0.5 f-0.5 @u0", true));
         assert!(!crashes_mesa("v glArrayElement 7", true) && !crashes_mesa("ask", false));

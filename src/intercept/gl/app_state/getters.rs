@@ -26,8 +26,11 @@ fn app_state_answer(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
         api::GL_SCISSOR_TEST => one(f64::from(u8::from(ctx.app.scissor_test()))),
         api::GL_DRAW_FRAMEBUFFER_BINDING => one(ctx.app.draw_framebuffer().into()),
         api::GL_READ_FRAMEBUFFER_BINDING => one(ctx.app.read_framebuffer().into()),
-        api::GL_DRAW_BUFFER | api::GL_DRAW_BUFFER0 if ctx.redirected() => one(ctx.app.draw_buffer().into()),
-        api::GL_READ_BUFFER if ctx.reads_redirected() => one(ctx.app.read_buffer().into()),
+        api::GL_DRAW_BUFFER if ctx.redirected() => one(ctx.app.buffers().draw()[0].into()),
+        api::GL_DRAW_BUFFER0..=api::GL_DRAW_BUFFER15 if ctx.redirected() => {
+            one(ctx.app.buffers().draw()[(name - api::GL_DRAW_BUFFER0) as usize].into())
+        }
+        api::GL_READ_BUFFER if ctx.reads_redirected() => one(ctx.app.buffers().read().into()),
         api::GL_NUM_PROGRAM_BINARY_FORMATS => one(0.0),
         // Without formats there is no number to return.
         api::GL_PROGRAM_BINARY_FORMATS => Some(([0.0; 4], 0)),

@@ -8,6 +8,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::ListState;
 use crate::intercept::gl::context::list_recording::{self, Command};
+use crate::intercept::gl::framebuffer::commands::draw_buffers;
 use crate::intercept::gl::framebuffer::target::attach::follow_size;
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::state::app::AppState;
@@ -31,10 +32,10 @@ pub fn push_attributes(driver: &Driver, app: &mut AppState, compat: &Compat, lis
 /// `glPopAttrib`. The driver restores the viewport and scissor of a tile. The values that the
 /// program has set come from Cupola's own stack.
 pub fn pop_attributes(ctx: &mut Context) {
-    // SAFETY: the program's own call.
-    unsafe { ctx.driver.gl.pop_attrib() };
+    let pushed = ctx.app.pop();
+    draw_buffers::pop(ctx, pushed.as_ref());
     ctx.projected.note_switch();
-    let Some(Pushed { mask, saved, list_base, known, raster }) = ctx.app.pop() else {
+    let Some(Pushed { mask, saved, list_base, known, raster }) = pushed else {
         ctx.driver.known_state.forget();
         return;
     };

@@ -207,6 +207,7 @@ hooks! {
             // The driver refuses the command.
         } else if is_kept_apart(&ctx.lists, &ctx.projected) && !ctx.compat.immediate.under_way() && mode <= api::GL_POLYGON {
             ctx.compat.immediate.begin(mode, ctx.driver.profile.generic_attributes);
+            ctx.compat.immediate.apart = true;
             return;
         } else if ctx.lists.recording.is_some() {
             list_recording::will_draw(&ctx.share, &ctx.driver, &mut ctx.lists, false);
@@ -226,8 +227,15 @@ hooks! {
     };
     "glGetError" get_error() -> u32 = |ctx, gl| {
         ctx.compat.immediate.close_elements(gl);
-        // Between Begin and End this call is an error, which the driver reports.
-        if ctx.compat.immediate.under_way() { gl.get_error() } else { ctx.driver.error() }
+        if !ctx.compat.immediate.under_way() {
+            return ctx.driver.error();
+        }
+        // Between Begin and End this call is an error, and should return none.
+        let error = gl.get_error();
+        if error != api::GL_NO_ERROR {
+            ctx.compat.immediate.refuses(gl);
+        }
+        error
     };
     "glEnd" end() = |ctx, gl| {
         if ctx.lists.recording.is_some() && ctx.compat.immediate.phase == Phase::Recording {

@@ -133,14 +133,19 @@ impl Context {
     /// Gives the program its own window back permanently.
     pub fn leave_alone(&mut self) {
         if let Some(target) = self.drawable.take_target() {
-            // SAFETY: puts back the program's own bindings; framebuffer 0 always exists.
+            let gl = self.driver.gl;
+            // SAFETY: framebuffer 0 always exists; it gets the buffers that the program has chosen.
+            // Then the program's own bindings are put back.
             unsafe {
-                if self.app.draw_framebuffer() == 0 {
-                    self.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0);
+                gl.bind_framebuffer(api::GL_FRAMEBUFFER, 0);
+                if self.driver.profile.has_buffers() {
+                    self.app.buffers().draw_to_window(gl, self.driver.profile.es);
+                    if !self.drawable.reads_elsewhere() {
+                        gl.read_buffer(self.app.buffers().read());
+                    }
                 }
-                if self.app.read_framebuffer() == 0 {
-                    self.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0);
-                }
+                gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, self.app.draw_framebuffer());
+                gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.app.read_framebuffer());
             }
             self.driver.forget_window_space(api::GL_VIEWPORT_BIT | api::GL_SCISSOR_BIT);
             self.restore_window_space();

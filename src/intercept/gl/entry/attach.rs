@@ -6,6 +6,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::registry;
 use crate::intercept::gl::framebuffer::target::attach;
 use crate::intercept::gl::offscreen::view_copies;
+use crate::intercept::gl::state::app::window_buffers::WindowBuffers;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::drawable::window::Window;
 use crate::intercept::process::settings::settings;
@@ -37,8 +38,7 @@ impl Context {
             self.app.set_viewport(LowerLeftRect::of_size(window.size()));
             self.app.set_scissor(self.app.viewport());
             if !window.double_buffered(self.driver.gl, &self.driver.profile) {
-                self.app.set_draw_buffer(api::GL_FRONT);
-                self.app.set_read_buffer(api::GL_FRONT);
+                *self.app.buffers_mut() = WindowBuffers::of_window(api::GL_FRONT);
             }
         }
         if self.drawable.target().is_none() {

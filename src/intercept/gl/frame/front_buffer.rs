@@ -16,16 +16,18 @@ use std::time::Instant;
 
 /// Returns true if the program's drawing appears in the window without a swap.
 pub fn draws_to_front(app: &AppState, drawable: &Drawable) -> bool {
-    let front = matches!(
-        app.draw_buffer(),
-        api::GL_FRONT
-            | api::GL_FRONT_LEFT
-            | api::GL_FRONT_RIGHT
-            | api::GL_FRONT_AND_BACK
-            | api::GL_LEFT
-            | api::GL_RIGHT
-    );
-    drawable.target().is_some_and(|t| front || !t.config().double_buffered)
+    let is_front = |name: &u32| {
+        matches!(
+            *name,
+            api::GL_FRONT
+                | api::GL_FRONT_LEFT
+                | api::GL_FRONT_RIGHT
+                | api::GL_FRONT_AND_BACK
+                | api::GL_LEFT
+                | api::GL_RIGHT
+        )
+    };
+    drawable.target().is_some_and(|t| !t.config().double_buffered || app.buffers().draw().iter().any(is_front))
 }
 
 /// Shows what the program has drawn. Pictures that follow each other too fast are left out, unless

@@ -80,6 +80,20 @@ fn is_own(queries: &Queries, name: u32) -> bool {
             .any(|r| part(&r.before, r.name) || r.now.is_some_and(|n| n.0 == name && name != r.name))
 }
 
+/// Writes an answer into a buffer of the program.
+fn write_to_buffer<T: Copy>(driver: &mut Driver, buffer: u32, offset: isize, value: T) {
+    driver.take_errors();
+    // SAFETY: writes the value into the buffer, or reports an error.
+    let error = unsafe {
+        driver.gl.named_buffer_sub_data(buffer, offset, size_of::<T>() as isize, (&raw const value).cast());
+        driver.gl.get_error()
+    };
+    if error != api::GL_NO_ERROR {
+        // For a query beyond the end of the buffer is a wrong operation, not a wrong value.
+        driver.note_error(if offset < 0 { error } else { api::GL_INVALID_OPERATION });
+    }
+}
+
 macro_rules! counting_hooks {
     ($( $name:literal $method:ident $t:ty, $buffer_name:literal $buffer_method:ident; )*) => {
         hooks::hooks! {
@@ -123,8 +137,7 @@ macro_rules! counting_hooks {
                     if !refuses(&mut ctx.driver, &ctx.queries, name) {
                         match answer(&ctx.driver, &ctx.queries, name, what) {
                             Some(count) => {
-                                let value = <$t>::try_from(count).unwrap_or(<$t>::MAX);
-                                gl.named_buffer_sub_data(buffer, offset, size_of::<$t>() as isize, (&raw const value).cast());
+                                write_to_buffer(&mut ctx.driver, buffer, offset, <$t>::try_from(count).unwrap_or(<$t>::MAX));
                             }
                             None => gl.$buffer_method(name, buffer, what, offset),
                         }

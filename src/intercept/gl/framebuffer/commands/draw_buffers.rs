@@ -6,7 +6,10 @@ use crate::backend::gl::driver::values::integer;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
+use crate::intercept::gl::framebuffer::commands::bindings;
 use crate::intercept::gl::offscreen::view_copies;
+use crate::intercept::gl::state::app::attribute_stack::Pushed;
+use crate::intercept::gl::state::app::window_buffers;
 
 /// True if `buffer` is a name of the window's colour buffers.
 fn is_window_buffer(buffer: u32) -> bool {
@@ -42,7 +45,7 @@ pub fn select_draw_buffer(ctx: &mut Context, buffer: u32) {
         if ctx.redirected() {
             gl.draw_buffer(attachment(buffer));
             if is_window_buffer(buffer) || buffer == api::GL_NONE {
-                ctx.app.set_draw_buffer(buffer);
+                ctx.app.buffers_mut().set_draw(window_buffers::only(buffer));
             }
         } else {
             view_copies::forget(ctx, ctx.app.draw_framebuffer());
@@ -62,7 +65,7 @@ pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
         if ctx.reads_redirected() && (of_es || !ctx.driver.profile.es) {
             gl.read_buffer(attachment(buffer));
             if is_window_buffer(buffer) || buffer == api::GL_NONE {
-                ctx.app.set_read_buffer(buffer);
+                ctx.app.buffers_mut().set_read(buffer);
             }
         } else {
             gl.read_buffer(buffer);
@@ -110,17 +113,78 @@ pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const
         ctx.driver.note_error(if count > most { api::GL_INVALID_VALUE } else { error });
         return;
     }
-    let mut translated = [api::GL_NONE; 16];
-    // Front and back buffer are one image here.
-    if let Some(place) = names.iter().position(|name| *name != api::GL_NONE) {
-        translated[place] = api::GL_COLOR_ATTACHMENT0;
-    }
-    let first = names.first().copied().unwrap_or(api::GL_NONE);
-    if is_window_buffer(first) || first == api::GL_NONE {
-        ctx.app.set_draw_buffer(first);
-    }
+    let mut all = [api::GL_NONE; window_buffers::COUNT];
+    all[..names.len()].copy_from_slice(names);
+    ctx.app.buffers_mut().set_draw(all);
     // SAFETY: the array has at least `count` names.
-    unsafe { gl.draw_buffers(count, translated.as_ptr()) };
+    unsafe { gl.draw_buffers(count, window_buffers::of_stand_in(&all).as_ptr()) };
+}
+
+/// Returns the framebuffer that must be bound for drawing during a pop of the driver's attribute
+/// stack; `None`: the one that is bound.
+fn to_pop_draw_buffers(ctx: &Context, pushed: &Pushed) -> Option<u32> {
+    let target = ctx.drawable.target().filter(|_| pushed.mask & api::GL_COLOR_BUFFER_BIT != 0)?;
+    match &pushed.saved.draw_buffers {
+        Some(_) if ctx.app.draw_framebuffer() == 0 => None,
+        // Nothing is to be restored.
+        Some(names) if names == ctx.app.buffers().draw() => Some(target.framebuffer()),
+        None if ctx.app.draw_framebuffer() != 0 => None,
+        _ => Some(0),
+    }
+}
+
+/// Returns the framebuffer that must be bound for reading during a pop of the driver's attribute
+/// stack; `None`: the one that is bound.
+fn to_pop_read_buffer(ctx: &Context, pushed: &Pushed) -> Option<u32> {
+    ctx.drawable.target().filter(|_| pushed.mask & api::GL_PIXEL_MODE_BIT != 0)?;
+    (pushed.saved.read_buffer.is_some() != (ctx.app.read_framebuffer() == 0)).then_some(0)
+}
+
+/// Pops the driver's attribute stack, whose topmost entry is `pushed`. OpenGL selects the buffers
+/// that were pushed in the framebuffer that is bound now, and refuses names of the window for a
+/// framebuffer of the program, and the other way round. For the driver the stand-in is a
+/// framebuffer of a program. So where the bindings differ, the window's own framebuffer is bound
+/// for the pop, and the driver refuses the names there.
+pub fn pop(ctx: &mut Context, pushed: Option<&Pushed>) {
+    let gl = ctx.driver.gl;
+    let draws = pushed.and_then(|pushed| to_pop_draw_buffers(ctx, pushed));
+    let reads = pushed.and_then(|pushed| to_pop_read_buffer(ctx, pushed));
+    // SAFETY: the program's own call. The bindings are put back.
+    unsafe {
+        for (target, framebuffer) in [(api::GL_DRAW_FRAMEBUFFER, draws), (api::GL_READ_FRAMEBUFFER, reads)] {
+            if let Some(framebuffer) = framebuffer {
+                gl.bind_framebuffer(target, framebuffer);
+            }
+        }
+        gl.pop_attrib();
+    }
+    let own = match ctx.drawable.target() {
+        Some(target) if target.config().double_buffered => api::GL_BACK,
+        _ => api::GL_FRONT,
+    };
+    // The window's own framebuffer takes no other name than this.
+    let takes_none = |popped: Option<u32>, name: u32| popped == Some(0) && integer(gl, name) as u32 == api::GL_NONE;
+    let (draws_none, reads_none) = (takes_none(draws, api::GL_DRAW_BUFFER), takes_none(reads, api::GL_READ_BUFFER));
+    if draws_none {
+        // SAFETY: the buffer that Cupola draws the corrected picture to.
+        unsafe { gl.draw_buffer(own) };
+    }
+    if reads_none {
+        // SAFETY: a buffer of the window.
+        unsafe { gl.read_buffer(own) };
+    }
+    if draws.is_some() {
+        bindings::bind(ctx, api::GL_DRAW_FRAMEBUFFER, ctx.app.draw_framebuffer());
+    }
+    if reads.is_some() {
+        bindings::bind(ctx, api::GL_READ_FRAMEBUFFER, ctx.app.read_framebuffer());
+    }
+    if draws_none {
+        select_draw_buffer(ctx, api::GL_NONE);
+    }
+    if reads_none {
+        select_read_buffer(ctx, api::GL_NONE);
+    }
 }
 
 hooks! {

@@ -38,7 +38,7 @@ hooks! {
     "glGetFramebufferParameteriv" get_framebuffer_parameteriv(target: u32, name: u32, values: *mut i32) = |ctx, gl|
         // The window's own framebuffer still has its first read buffer. OpenGL ES refuses the question
         // for windows.
-        if !ctx.driver.profile.es && ctx.app.read_buffer() == api::GL_NONE && READ_PARAMETERS.contains(&name) {
+        if !ctx.driver.profile.es && ctx.app.buffers().read() == api::GL_NONE && READ_PARAMETERS.contains(&name) {
             gl.get_framebuffer_parameteriv(target, name, values);
         } else {
             with_own(ctx, target, |gl| gl.get_framebuffer_parameteriv(target, name, values));

@@ -200,15 +200,19 @@ pub fn adopt(ctx: &mut Context) {
     ctx.frame.views_changed();
     let Some(target) = ctx.drawable.target() else { return };
     let framebuffer = target.framebuffer();
+    let has_buffers = ctx.driver.profile.has_buffers();
     // SAFETY: binds the stand-in framebuffer where the program has bound its window.
     unsafe {
         if ctx.app.read_framebuffer() == 0 {
             ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, ctx.drawable.window_for_reading());
+            if has_buffers && !ctx.drawable.reads_elsewhere() {
+                ctx.app.buffers().read_from_stand_in(ctx.driver.gl);
+            }
         }
         if ctx.app.draw_framebuffer() == 0 {
             ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
-            if ctx.app.draw_buffer() == api::GL_NONE {
-                ctx.driver.gl.draw_buffers(1, &api::GL_NONE);
+            if has_buffers {
+                ctx.app.buffers().draw_to_stand_in(ctx.driver.gl);
             }
         }
     }

@@ -35,5 +35,5 @@ fn writes_all(driver: &Driver, app: &AppState) -> bool {
         driver.gl.get_booleanv(api::GL_COLOR_WRITEMASK, color.as_mut_ptr());
         driver.gl.get_booleanv(api::GL_DEPTH_WRITEMASK, &mut depth);
     }
-    color[..3].iter().all(|on| *on != 0) && depth != 0 && app.draw_buffer() != api::GL_NONE
+    color[..3].iter().all(|on| *on != 0) && depth != 0 && !app.buffers().draws_nothing()
 }

@@ -10,7 +10,7 @@ use crate::intercept::gl::state::queries::Queries;
 /// Notes that the program cleared the colour of all views by `glClear`, with its present clear
 /// state.
 pub fn note_clear(driver: &Driver, app: &AppState, drawable: &mut Drawable, queries: &Queries) {
-    let unconditional = !queries.is_conditional() && !app.discard() && app.draw_buffer() != api::GL_NONE;
+    let unconditional = !queries.is_conditional() && !app.discard() && !app.buffers().draws_nothing();
     let (gl, state) = (driver.gl, &driver.known_state);
     let srgb = drawable.target().is_some_and(|t| t.config().srgb);
     // OpenGL ES always converts to sRGB if the window supports it.

@@ -2,6 +2,7 @@
 
 use crate::backend::gl::KnownState;
 use crate::intercept::gl::state::app::window_arrays::WindowArrays;
+use crate::intercept::gl::state::app::window_buffers::DrawBuffers;
 use crate::intercept::gl::state::compat::raster_position::RasterPosition;
 
 /// `GL_MAX_ATTRIB_STACK_DEPTH` of all known drivers.
@@ -21,7 +22,9 @@ pub struct Pushed {
 #[derive(Clone, Debug)]
 pub struct SavedAppState {
     pub(in crate::intercept::gl) arrays: WindowArrays,
-    pub(in crate::intercept::gl) draw_buffer: u32,
-    pub(in crate::intercept::gl) read_buffer: u32,
+    /// Draw buffers of the window, if it was bound.
+    pub(in crate::intercept::gl) draw_buffers: Option<DrawBuffers>,
+    /// Read buffer of the window, if it was bound.
+    pub(in crate::intercept::gl) read_buffer: Option<u32>,
     pub(in crate::intercept::gl) matrix_mode: u32,
 }

@@ -1,15 +1,17 @@
 //! The app state: the state that the program has set, as the program would read it.
 //!
 //! [`attribute_stack`] holds the part that `glPushAttrib` saves, [`window_arrays`] the viewports
-//! and scissors by index.
+//! and scissors by index, [`window_buffers`] the buffers of the window.
 
 pub mod attribute_stack;
 pub mod window_arrays;
+pub mod window_buffers;
 
 use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::app::attribute_stack::{ATTRIBUTE_DEPTH, Pushed, SavedAppState};
 use crate::intercept::gl::state::app::window_arrays::{Viewport, WindowArrays};
+use crate::intercept::gl::state::app::window_buffers::WindowBuffers;
 
 /// State that the program has set, as the program would read it.
 pub struct AppState {
@@ -25,10 +27,8 @@ pub struct AppState {
     scissor_test: bool,
     /// Viewports and scissors, if they differ by their index or have fractions.
     arrays: Option<Box<WindowArrays>>,
-    /// `glDrawBuffer` of the program's window.
-    draw_buffer: u32,
-    /// `glReadBuffer` of the program's window.
-    read_buffer: u32,
+    /// `glDrawBuffers` and `glReadBuffer` of the program's window.
+    buffers: WindowBuffers,
     /// `glMatrixMode`.
     matrix_mode: u32,
     /// Stack of `glPushAttrib`.
@@ -53,8 +53,7 @@ impl Default for AppState {
             scissor: LowerLeftRect::default(),
             scissor_test: false,
             arrays: None,
-            draw_buffer: api::GL_BACK,
-            read_buffer: api::GL_BACK,
+            buffers: WindowBuffers::of_window(api::GL_BACK),
             matrix_mode: api::GL_MODELVIEW,
             attribute_stack: Vec::new(),
             picking: false,
@@ -91,14 +90,14 @@ impl AppState {
         self.scissor_test
     }
 
-    /// Returns `glDrawBuffer` of the program's window.
-    pub fn draw_buffer(&self) -> u32 {
-        self.draw_buffer
+    /// Returns the buffers of the program's window.
+    pub fn buffers(&self) -> &WindowBuffers {
+        &self.buffers
     }
 
-    /// Returns `glReadBuffer` of the program's window.
-    pub fn read_buffer(&self) -> u32 {
-        self.read_buffer
+    /// The buffers of the program's window, to be changed.
+    pub fn buffers_mut(&mut self) -> &mut WindowBuffers {
+        &mut self.buffers
     }
 
     /// Returns `glMatrixMode`.
@@ -134,16 +133,6 @@ impl AppState {
     /// The program binds a read framebuffer.
     pub fn bind_read_framebuffer(&mut self, name: u32) {
         self.read_framebuffer = name;
-    }
-
-    /// `glDrawBuffer` of the program's window.
-    pub fn set_draw_buffer(&mut self, buffer: u32) {
-        self.draw_buffer = buffer;
-    }
-
-    /// `glReadBuffer` of the program's window.
-    pub fn set_read_buffer(&mut self, buffer: u32) {
-        self.read_buffer = buffer;
     }
 
     /// `glMatrixMode`.
@@ -251,8 +240,8 @@ impl AppState {
     pub fn saved(&self) -> SavedAppState {
         SavedAppState {
             arrays: self.all_arrays(),
-            draw_buffer: self.draw_buffer,
-            read_buffer: self.read_buffer,
+            draw_buffers: (self.draw_framebuffer == 0).then(|| *self.buffers.draw()),
+            read_buffer: (self.read_framebuffer == 0).then(|| self.buffers.read()),
             matrix_mode: self.matrix_mode,
         }
     }
@@ -273,11 +262,15 @@ impl AppState {
         if mask & api::GL_TRANSFORM_BIT != 0 {
             self.matrix_mode = saved.matrix_mode;
         }
-        if mask & api::GL_COLOR_BUFFER_BIT != 0 {
-            self.draw_buffer = saved.draw_buffer;
+        if let (Some(names), 0) = (saved.draw_buffers, self.draw_framebuffer)
+            && mask & api::GL_COLOR_BUFFER_BIT != 0
+        {
+            self.buffers.set_draw(names);
         }
-        if mask & api::GL_PIXEL_MODE_BIT != 0 {
-            self.read_buffer = saved.read_buffer;
+        if let (Some(name), 0) = (saved.read_buffer, self.read_framebuffer)
+            && mask & api::GL_PIXEL_MODE_BIT != 0
+        {
+            self.buffers.set_read(name);
         }
     }
 }

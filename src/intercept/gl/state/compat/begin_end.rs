@@ -33,6 +33,8 @@ pub struct Immediate {
     pub(in crate::intercept::gl) used_lists: usize,
     /// True if `glBegin` lies in a list that was recorded.
     pub(in crate::intercept::gl) begun_by_list: bool,
+    /// True if the commands become an item of a list, and the driver is not between Begin and End.
+    pub(in crate::intercept::gl) apart: bool,
     /// True if `glBegin` was passed on unchanged. The driver may be between Begin and End.
     pub(in crate::intercept::gl) passed_on: bool,
 }
@@ -49,6 +51,7 @@ impl Default for Immediate {
             lists: Vec::new(),
             used_lists: 0,
             begun_by_list: false,
+            apart: false,
             passed_on: false,
         }
     }
@@ -67,25 +70,28 @@ impl Immediate {
         self.recorder.clear();
         self.bounds = Bounds::EMPTY;
         self.begun_by_list = false;
+        self.apart = false;
         self.used_lists = 0;
     }
 
     /// True if the driver is to refuse a command that is not allowed between Begin and End.
     pub fn refuses(&mut self, gl: &Gl) -> bool {
         self.close_elements(gl);
-        self.under_way() || self.is_in_passed_on(gl)
+        if self.under_way() {
+            if !self.apart && !is_between(gl) {
+                self.was_refused(gl);
+            }
+            return self.under_way();
+        }
+        self.passed_on = self.passed_on && is_between(gl);
+        self.passed_on
     }
 
-    /// True if the driver is between a Begin and End that were passed on. The driver answers no
-    /// question there. The question causes the same error as the command that follows.
-    fn is_in_passed_on(&mut self, gl: &Gl) -> bool {
-        if self.passed_on {
-            let mut mode = 0;
-            // SAFETY: a query of the compatibility profile; it writes one value, which is never 0.
-            unsafe { gl.get_integerv(api::GL_MATRIX_MODE, &mut mode) };
-            self.passed_on = mode == 0;
-        }
-        self.passed_on
+    /// The driver has refused the program's `glBegin`, and with it the commands since then.
+    fn was_refused(&mut self, gl: &Gl) {
+        self.phase = Phase::Outside;
+        // SAFETY: the program's own commands, outside of Begin/End, as without Cupola.
+        unsafe { self.recorder.play(gl) };
     }
 
     /// Ends the open list of elements, if there is one.
@@ -103,6 +109,15 @@ impl Immediate {
             }
         }
     }
+}
+
+/// True if the driver is between Begin and End. It answers no question there. The question causes
+/// the same error as the command that follows.
+fn is_between(gl: &Gl) -> bool {
+    let mut mode = 0;
+    // SAFETY: a query of the compatibility profile; it writes one value, which is never 0.
+    unsafe { gl.get_integerv(api::GL_MATRIX_MODE, &mut mode) };
+    mode == 0
 }
 
 /// Returns the mode of separate primitives that causes the same errors as `mode`. While Cupola

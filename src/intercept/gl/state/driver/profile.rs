@@ -35,6 +35,11 @@ impl Profile {
         !self.es && !self.core
     }
 
+    /// True if a program can choose the buffers that it draws to and reads from.
+    pub fn has_buffers(&self) -> bool {
+        self.version >= if self.es { 30 } else { 20 }
+    }
+
     /// True if contexts of this kind do not have a command.
     pub fn is_outside(&self, command: Outside) -> bool {
         (self.core && command.core) || (self.es && self.version >= 20 && command.es)
