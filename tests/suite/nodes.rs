@@ -120,7 +120,7 @@ fn a_vulkan_program_that_differs_is_named() {
         [("0", "all alike"), ("${CUPOLA_NODE%/*}", "node 1 draws something else than the others in frame 1:")]
     {
         let shell = ["sh", "-c", &format!("exec \"$0\" \"$@\" --yaw {yaw}")];
-        let Some(finished) = cube_on_nodes(&folder, "2", &["--frames", "4"], &shell) else { return };
+        let Some(finished) = cube_on_nodes(folder, "2", &["--frames", "4"], &shell) else { return };
         assert!(finished.words().contains(words), "{yaw}: {}", finished.words());
     }
 }
@@ -131,7 +131,7 @@ fn a_vulkan_node_leaves_out_views_of_others() {
     let Some(folder) = crate::programs::vulkan_apps() else { return };
     let run = |options: &[&str]| {
         let options = [&["--frames", "4", "--capture", "capture.png", "--stats", "stats.json"], options].concat();
-        cube_on_nodes(&folder, "6", &options, &[])
+        cube_on_nodes(folder, "6", &options, &[])
     };
     let Some(one) = run(&[]) else { return };
     let all = run(&["--no-cull"]).expect("a display");
