@@ -2,6 +2,7 @@
 //! from libraries has variants that are linked from theirs.
 
 use crate::intercept::process::log;
+use crate::intercept::process::settings::{self, Settings};
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::pipelines::{matrix_sources, view_stages};
 use crate::intercept::vk::projected_vertices;
@@ -87,7 +88,10 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
     let mut divided = None;
     // SAFETY: as promised; shader modules of Cupola are destroyed after the pipelines are made.
     unsafe {
-        made.writes |= parts.stages.iter().any(|stage| may_write(device, stage));
+        // Only there it matters, and the shaders are read for it.
+        if settings::settings().is_some_and(Settings::is_one_of_several) {
+            made.writes |= parts.stages.iter().any(|stage| may_write(device, stage));
+        }
         if parts.places_vertices() {
             let (matrices, missing) = matrix_sources::before_rasterisation(device, &stages);
             made.matrices.extend(matrices);

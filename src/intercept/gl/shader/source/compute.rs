@@ -80,6 +80,10 @@ fn is_read_only(words: &[&str], name: &str) -> bool {
 
 /// True if a shader with this text may write to a storage buffer.
 pub fn may_write_buffers(source: &str) -> bool {
+    // Most shaders have none, and need not be read.
+    if !source.contains("buffer") {
+        return false;
+    }
     let bare = tokens::bare(source);
     let words = all_words(&bare);
     words.contains(&"buffer") && ways_to_write(&bare, &words).is_some_and(|ways| ways.atomics || ways.others)

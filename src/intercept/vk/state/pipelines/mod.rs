@@ -117,7 +117,7 @@ pub struct Variants {
     pub(in crate::intercept::vk) cameras: Vec<CameraMatrix>,
     /// True if it tests depth.
     pub(in crate::intercept::vk) deep: bool,
-    /// True if its shaders may write to buffers or images.
+    /// True if its shaders may write to buffers or images. Not looked for on a single machine.
     pub(in crate::intercept::vk) writes: bool,
 }
 
