@@ -15,6 +15,7 @@ tests! {
     programs_with_other_names_are_alike,
     a_vulkan_program_that_differs_is_named,
     a_vulkan_node_leaves_out_views_of_others,
+    a_vulkan_node_draws_everything_if_queries_count,
     stopped_and_killed_nodes_do_not_stop_the_others,
 }
 
@@ -102,9 +103,20 @@ fn programs_with_other_names_are_alike() {
     assert!(nodes.words().contains("all alike"), "{}", nodes.words());
 }
 
-/// Runs a program of Vulkan on so many nodes.
+/// Runs `vk_cube` on so many nodes.
 fn cube_on_nodes(folder: &Path, nodes: &str, options: &[&str], before: &[&str]) -> Option<Finished> {
-    let run = Run { frames: 0, size: (96, 96), ..Run::new("vk_cube") };
+    on_nodes(folder, ("vk_cube", 0), nodes, options, before)
+}
+
+/// Runs a program of Vulkan on so many nodes, for so many frames (0: without an end).
+fn on_nodes(
+    folder: &Path,
+    (program, frames): (&'static str, usize),
+    nodes: &str,
+    options: &[&str],
+    before: &[&str],
+) -> Option<Finished> {
+    let run = Run { frames, size: (96, 96), ..Run::new(program) };
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
     command.env("CUPOLA_LIBRARY", library()).args(["node", "--local", nodes, "--unpaced", PATIENT[0], PATIENT[1]]);
     command.arg("--rig").arg(rig()).args(options).arg("--").args(before);
@@ -137,13 +149,35 @@ fn a_vulkan_node_leaves_out_views_of_others() {
     let all = run(&["--no-cull"]).expect("a display");
     assert!(are_equal(&rig(), &one, &all));
     for node in 0..6 {
-        let count = |finished: &Finished| {
-            let text = std::fs::read_to_string(finished.directory.join(format!("stats-node-{node}.json")));
-            let counts: serde_json::Value = serde_json::from_str(&text.expect("statistics")).expect("JSON");
-            counts["draws_out_of_sight"].as_u64().expect("a number")
-        };
+        let count = |finished: &Finished| draws_left_out(finished, node);
         note(format_args!("node {node}: {} draws left out", count(&one)));
         assert!(count(&one) >= 4 && count(&all) == 0, "node {node}");
+    }
+}
+
+/// Number of draws that a node left out of views, from its statistics.
+fn draws_left_out(finished: &Finished, node: u32) -> u64 {
+    let text = std::fs::read_to_string(finished.directory.join(format!("stats-node-{node}.json")));
+    let counts: serde_json::Value = serde_json::from_str(&text.expect("statistics")).expect("JSON");
+    counts["draws_out_of_sight"].as_u64().expect("a number")
+}
+
+/// In a program whose queries count, no draw is left out, so that programs that depend on the counts
+/// do the same everywhere: a draw that is left out would not hide what is counted behind it.
+fn a_vulkan_node_draws_everything_if_queries_count() {
+    let Some(folder) = crate::programs::vulkan_apps() else { return };
+    let shell = ["sh", "-c", "exec \"$0\" \"$@\" --counts counts-${CUPOLA_NODE%/*}.txt"];
+    let run = |options: &[&str]| {
+        let options = [&["--stats", "stats.json"], options].concat();
+        on_nodes(folder, ("vk_queries", 4), "6", &options, &shell)
+    };
+    let Some(one) = run(&[]) else { return };
+    let all = run(&["--no-cull"]).expect("a display");
+    for node in 0..6 {
+        let counts = |finished: &Finished| finished.text(&format!("counts-{node}.txt"));
+        assert!(counts(&all).lines().any(|line| line == "hidden 0 0"), "node {node}: {}", counts(&all));
+        assert_eq!(counts(&one), counts(&all), "node {node}");
+        assert_eq!(draws_left_out(&one, node), 0, "node {node}");
     }
 }
 

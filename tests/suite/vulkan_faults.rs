@@ -22,6 +22,7 @@ tests! {
     swapchains_that_are_out_of_date,
     a_fault_of_the_program_s_own_calls_is_seen,
     swapchains_have_the_rig_s_swap_interval,
+    windows_join_a_present_barrier,
 }
 
 const RIG: &str = "identity-captured";
@@ -48,6 +49,8 @@ struct Outcome {
     words: Vec<String>,
     /// Present modes of the swapchains, if the fault is `told`.
     modes: BTreeSet<String>,
+    /// What reached the driver of a present barrier, if the fault is `barrier`.
+    barriers: Vec<String>,
     /// Kinds of messages of the validation layer.
     messages: BTreeSet<String>,
 }
@@ -142,13 +145,15 @@ fn run((program, extra): Way, rig: Option<&str>, fault: &str) -> Option<Outcome>
         window: finished.wrote("window.ppm").then(|| finished.picture("window.ppm")),
         calls: calls.lines().map(line).collect(),
         words: finished.words().lines().filter(|line| line.starts_with("cupola: ")).map(str::to_owned).collect(),
-        modes: finished
-            .words()
-            .lines()
-            .filter_map(|line| Some(line.strip_prefix("present mode ")?.to_owned()))
-            .collect(),
+        modes: lines_after(&finished, "present mode ").into_iter().collect(),
+        barriers: lines_after(&finished, "barrier: "),
         messages: finished.kinds_of_messages(),
     })
+}
+
+/// What follows `start` in the lines of a program that begin so.
+fn lines_after(finished: &Finished, start: &str) -> Vec<String> {
+    finished.words().lines().filter_map(|line| Some(line.strip_prefix(start)?.to_owned())).collect()
 }
 
 /// Calls of the program without Cupola, calls of both with Cupola, and the right picture.
@@ -299,13 +304,16 @@ fn a_fault_of_the_program_s_own_calls_is_seen() {
 /// `VK_PRESENT_MODE_FIFO_KHR`: each picture waits for a refresh of the display.
 const FIFO: &str = "2";
 
-fn swapchains_have_the_rig_s_swap_interval() {
+/// Runs `vk_cube` with keys of `[window]` in the rig.
+fn with_keys(keys: &str, fault: &str) -> Option<Outcome> {
     let preset = cupola::rig::presets().iter().find(|preset| preset.name == RIG).expect("a preset").text;
-    let with = |keys: &str| {
-        let path = scratch("swaps").join("rig.toml");
-        std::fs::write(&path, format!("{preset}\n[window]\n{keys}\n")).expect("written");
-        run(("vk_cube", &[]), path.to_str(), "told MODE")
-    };
+    let path = scratch("swaps").join("rig.toml");
+    std::fs::write(&path, format!("{preset}\n[window]\n{keys}\n")).expect("written");
+    run(("vk_cube", &[]), path.to_str(), fault)
+}
+
+fn swapchains_have_the_rig_s_swap_interval() {
+    let with = |keys: &str| with_keys(keys, "told MODE");
     let waiting = |outcome: Outcome| {
         assert!(outcome.succeeded && outcome.modes.len() == 1, "{:?} {:?}", outcome.modes, outcome.words);
         outcome.modes.contains(FIFO)
@@ -314,6 +322,28 @@ fn swapchains_have_the_rig_s_swap_interval() {
     assert!(waiting(own), "the program's own mode");
     assert!(!waiting(with("swap_interval = 0").expect("a display")));
     assert!(waiting(with("swap_interval = 1").expect("a display")));
-    let grouped = with("swap_group = 1").expect("a display");
-    assert!(grouped.words.iter().any(|line| line.contains("join no swap group")), "{:?}", grouped.words);
+}
+
+/// `VK_NV_present_barrier` is enabled and joined if the rig has a swap group, and only then. Where
+/// the driver does not let a window join, it says so, and the picture is the same.
+fn windows_join_a_present_barrier() {
+    let Some((_, _, right)) = without_a_fault(("vk_cube", &[])) else { return };
+    let group = "swap_group = 1";
+    let cases: [(&str, &str, &[&str], Option<&str>); 5] = [
+        ("", "barrier 1", &["swapchain 0"], None),
+        (group, "barrier 1", &["device", "swapchain 1"], None),
+        (group, "barrier 0", &["device", "swapchain 0"], Some("does not let the window join")),
+        (group, "barrier 2", &["device", "swapchain 1", "swapchain 0"], Some("does not let the window join")),
+        (group, "told MODE", &[], Some("has no VK_NV_present_barrier")),
+    ];
+    for (keys, fault, arrived, word) in cases {
+        let outcome = with_keys(keys, fault).expect("a display");
+        let found = outcome.faults(&right, ONCE);
+        assert!(found.is_empty(), "{keys}, {fault}: {found:?} {:?}", outcome.words);
+        assert_eq!(outcome.barriers, arrived, "{keys}, {fault}: {:?}", outcome.words);
+        match word {
+            Some(word) => assert!(outcome.words.iter().any(|line| line.contains(word)), "{fault}: {:?}", outcome.words),
+            None => assert!(outcome.words.is_empty(), "{fault}: {:?}", outcome.words),
+        }
+    }
 }

@@ -12,6 +12,7 @@ tests! {
     outputs_on_two_screens_are_those_of_one_window,
     a_window_that_is_too_small_is_told_with_the_size_that_fits,
     the_driver_gets_swap_interval_and_swap_group,
+    a_driver_swaps_a_window_of_its_own,
 }
 
 /// A window of 256 × 256 pixels is divided among six projectors of 1920 × 1080. Nothing is told of
@@ -88,6 +89,28 @@ fn window(output: &str, display: &Display, published: &Path) -> Command {
     command
 }
 
+/// Starts a program that publishes its frames without an end.
+fn publish(run: &Run, rig: &Path, published: &Path) -> Running {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_cupola"));
+    program.env("CUPOLA_LIBRARY", library()).env("DISPLAY", &display::get().expect("a display").name);
+    program
+        .env("LIBGL_ALWAYS_SOFTWARE", "1")
+        .env("CUPOLA_CACHE", Path::new(env!("CARGO_TARGET_TMPDIR")).join("results"));
+    program.arg("run").arg("--rig").arg(rig).arg(format!("--publish={}", published.display())).arg("--");
+    let endless = Run { frames: 0, ..run.clone() };
+    program.arg(built().join(run.program)).args(endless.arguments(&display::place()));
+    start(&mut program)
+}
+
+/// Waits until a screen shows these pixels.
+fn expect_pixels(display: &Display, expected: &[u8], what: &str) {
+    let begin = Instant::now();
+    while pixels(display) != expected {
+        assert!(begin.elapsed() < Duration::from_secs(40), "{what} is not shown");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
 fn outputs_on_two_screens_are_those_of_one_window() {
     let run = Run { size: (288, 108), ..Run::new("immediate") };
     let Some(other) = display::own(24) else { return };
@@ -101,16 +124,7 @@ fn outputs_on_two_screens_are_those_of_one_window() {
         assert_eq!(one.picture(&file).difference(&two.picture(&file)).0, 0, "{}", output.name);
     }
     let published = scratch("published").join("ring");
-    let mut program = Command::new(env!("CARGO_BIN_EXE_cupola"));
-    program.env("CUPOLA_LIBRARY", library()).env("DISPLAY", &display::get().expect("a display").name);
-    program
-        .env("LIBGL_ALWAYS_SOFTWARE", "1")
-        .env("CUPOLA_CACHE", Path::new(env!("CARGO_TARGET_TMPDIR")).join("results"));
-    program.arg("run").arg("--rig").arg(&apart).arg(format!("--publish={}", published.display())).arg("--");
-    let endless = Run { frames: 0, ..run.clone() };
-    let place = display::place();
-    program.arg(built().join(run.program)).args(endless.arguments(&place));
-    let mut program = start(&mut program);
+    let mut program = publish(&run, &apart, &published);
     let mut seen = Vec::new();
     // The window of the last output opened by itself.
     for output in [&outputs[5], &outputs[3], &outputs[4]] {
@@ -119,11 +133,7 @@ fn outputs_on_two_screens_are_those_of_one_window() {
         // Control: the three pictures differ.
         assert!(!seen.contains(&expected));
         let _window = (output.name != outputs[5].name).then(|| start(&mut window(&output.name, &other, &published)));
-        let begin = Instant::now();
-        while pixels(&other) != expected {
-            assert!(begin.elapsed() < Duration::from_secs(40), "{} is not shown", output.name);
-            std::thread::sleep(Duration::from_millis(20));
-        }
+        expect_pixels(&other, &expected, &output.name);
         seen.push(expected);
     }
     // A mirror: the pixels go through a pipe, which could also lead to another machine.
@@ -131,19 +141,11 @@ fn outputs_on_two_screens_are_those_of_one_window() {
     let output = format!("--output {} --published {}", outputs[3].name, published.display());
     let pipe = format!("{cupola} stream - {output} 2>/dev/null | {cupola} window --stdin --display {}", other.name);
     let mirror = start(Command::new("sh").args(["-c", &pipe]));
-    let begin = Instant::now();
-    while pixels(&other) != seen[1] {
-        assert!(begin.elapsed() < Duration::from_secs(40), "the mirror shows nothing");
-        std::thread::sleep(Duration::from_millis(20));
-    }
+    expect_pixels(&other, &seen[1], "the mirror");
     drop(mirror);
     // The screen is disconnected: its window ends with an error, and the program keeps running.
     let mut shown = start(window(&outputs[3].name, &other, &published).stderr(Stdio::piped()));
-    let begin = Instant::now();
-    while pixels(&other) != seen[1] {
-        assert!(begin.elapsed() < Duration::from_secs(40), "the output is not shown");
-        std::thread::sleep(Duration::from_millis(20));
-    }
+    expect_pixels(&other, &seen[1], "the output");
     other.kill();
     let status = shown.0.wait().expect("it ends");
     let mut words = String::new();
@@ -181,5 +183,41 @@ fn the_driver_gets_swap_interval_and_swap_group() {
         let refused = run("swap_group = 3\nswap_barrier = 4", fault).expect("a display");
         assert!(refused.contains("does not let the window join group 3"), "{fault}: {refused}");
         assert!(!refused.contains("at barrier"), "{fault}: {refused}");
+    }
+}
+
+/// With a swap interval and a swap group, a driver shows the pictures of `cupola window`, byte for
+/// byte, and gets both on the thread that swaps. A driver that refuses shows them as well.
+fn a_driver_swaps_a_window_of_its_own() {
+    let (Some(folder), Some(other)) = (vendor(), display::own(24)) else { return };
+    let run = Run { size: (288, 108), ..Run::new("immediate") };
+    let (whole, apart) = (rig(None), rig(Some(&other)));
+    let Some(one) = run.under(&whole.to_string_lossy()) else { return };
+    let outputs = cupola::rig::load(&whole.to_string_lossy()).expect("a rig").outputs;
+    let published = scratch("swapped").join("ring");
+    let _program = publish(&run, &apart, &published);
+    let mut seen = Vec::new();
+    // The window of the last output opens by itself at the same place; each of these lies above it.
+    for (output, fault, refuses) in [(&outputs[3], "swaps 1", false), (&outputs[4], "swaps 0", true)] {
+        let mut command = window(&output.name, &other, &published);
+        command.args(["--swap-interval", "0", "--swap-group", "3", "--swap-barrier", "4"]);
+        let variables = [("LD_LIBRARY_PATH", folder), ("__GLX_VENDOR_LIBRARY_NAME", "calls"), ("CALLS_FAULT", fault)];
+        let mut shown = start(command.envs(variables).stderr(Stdio::piped()));
+        let file = one.directory.join(format!("capture-{}.png", output.name));
+        let expected = image::open(file).expect("a picture").into_rgb8().into_raw();
+        assert!(!seen.contains(&expected), "control: the pictures differ");
+        expect_pixels(&other, &expected, &output.name);
+        seen.push(expected);
+        let stopped = Command::new("kill").args(["-s", "KILL", &shown.0.id().to_string()]).status();
+        assert!(stopped.expect("kill runs").success());
+        shown.0.wait().expect("it ends");
+        let mut words = String::new();
+        std::io::Read::read_to_string(shown.0.stderr.as_mut().expect("a pipe"), &mut words).expect("text");
+        for (line, comes) in
+            [("swap interval 0", true), ("swap group 3", true), ("swap group 3 at barrier 4", !refuses)]
+        {
+            assert_eq!(words.lines().filter(|told| *told == line).count(), usize::from(comes), "{line}: {words}");
+        }
+        assert_eq!(words.contains("does not let the window join swap group 3"), refuses, "{words}");
     }
 }

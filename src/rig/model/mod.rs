@@ -126,7 +126,8 @@ pub struct WindowSwaps {
     /// Least number of refreshes of the display between two swaps, 0…16; 0 = a swap does not wait.
     /// `None` = as the program asks.
     pub interval: Option<u32>,
-    /// Swap group of the driver (`GLX_NV_swap_group`) that the windows join, from 1.
+    /// Swap group of the driver (`GLX_NV_swap_group`) that the windows join, from 1. Windows of
+    /// Vulkan join the present barrier, which has no number.
     pub group: Option<u32>,
     /// Barrier that this group is bound to, from 1.
     pub barrier: Option<u32>,

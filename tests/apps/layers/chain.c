@@ -33,7 +33,10 @@ static VkResult make_device(struct layer *layer, VkPhysicalDevice physical, cons
     layer->device = link->u.pLayerInfo->pfnNextGetDeviceProcAddr;
     link->u.pLayerInfo = link->u.pLayerInfo->pNext;
     PFN_vkCreateDevice next = (PFN_vkCreateDevice)instance(VK_NULL_HANDLE, "vkCreateDevice");
-    return next(physical, info, allocator, made);
+    VkDeviceCreateInfo changed = *info;
+    if (layer == &below)
+        take_barrier_of_device(&changed);
+    return next(physical, &changed, allocator, made);
 }
 
 /* Functions of one layer. `NAME`_negotiate is named in the layer's description. */
@@ -68,7 +71,9 @@ static VkResult make_device(struct layer *layer, VkPhysicalDevice physical, cons
         if (own != NULL || instance == VK_NULL_HANDLE) \
             return own; \
         const PFN_vkVoidFunction next = NAME.instance(instance, name); \
-        return strncmp(name, "vkGetPhysicalDevice", 19) == 0 ? with_stub(&NAME, name, next) : next; \
+        const bool told = strncmp(name, "vkGetPhysicalDevice", 19) == 0 \
+            || strcmp(name, "vkEnumerateDeviceExtensionProperties") == 0; \
+        return told ? with_stub(&NAME, name, next) : next; \
     } \
     static PFN_vkVoidFunction NAME##_device_address(VkDevice device, const char *name) \
     { \

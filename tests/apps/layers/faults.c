@@ -16,6 +16,8 @@
  *                                   Cupola gets only these flags of each kind of memory, of each
  *                                   family of queues, of each format, or of the surface, and no
  *                                   feature if MASK is 0
+ *   barrier 0|1|2                   the driver has a present barrier, which a window cannot join,
+ *                                   can join, or cannot join although the driver said so
  *   told MODE                       nothing; the present mode of each swapchain is written to stderr
  */
 #define _GNU_SOURCE
@@ -166,6 +168,9 @@ void *decide(struct stub *stub, const uint64_t *arguments)
     const long call = (long)++stub->calls[caller];
     if (strcmp(fault.kind, "told") == 0 && strcmp(stub->name, "vkCreateSwapchainKHR") == 0)
         fprintf(stderr, "present mode %d\n", (int)((const VkSwapchainCreateInfoKHR *)arguments[1])->presentMode);
+    if (strcmp(fault.kind, "barrier") == 0 && strcmp(stub->name, "vkCreateSwapchainKHR") == 0
+        && take_barrier_of_swapchain((VkSwapchainCreateInfoKHR *)arguments[1]) && fault.result != VK_SUCCESS)
+        return (void *)(intptr_t)refuse;
     if (strcmp(fault.kind, caller == CUPOLA ? "call" : "program") == 0 && strcmp(fault.name, stub->name) == 0)
         return call < fault.first || call > fault.last ? stub->target : refusing(stub);
     if (caller == CUPOLA) {
@@ -215,6 +220,8 @@ static void begin(void)
     char result[16] = "0";
     if (text != NULL && sscanf(text, "%15s %63s %li %li %15s", fault.kind, fault.name, &fault.first, &fault.last, result) > 1)
         fault.result = (VkResult)strtol(result, NULL, 0);
+    if (strcmp(text == NULL ? "" : text, "barrier 2") == 0)
+        fault.result = VK_ERROR_INITIALIZATION_FAILED;
     set_lie(fault.name, strcmp(fault.kind, "limit") == 0 ? fault.first : strtol(fault.name, NULL, 0));
     atexit(report);
 }

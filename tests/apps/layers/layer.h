@@ -26,4 +26,11 @@ void *liar(const char *kind, const char *name, void *target);
 /* Sets the false answer: the name of a limit and its value, or the flags that remain. */
 void set_lie(const char *name, long value);
 
+/* The same for a driver with VK_NV_present_barrier, whose windows may join if `value` is not 0. */
+void *barrier_liar(const char *name, void *target, long value);
+
+/* Take what Cupola added for a present barrier out of its structures. The second returns whether the window joins. */
+void take_barrier_of_device(VkDeviceCreateInfo *info);
+bool take_barrier_of_swapchain(VkSwapchainCreateInfoKHR *info);
+
 #endif

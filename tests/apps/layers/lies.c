@@ -100,6 +100,8 @@ void *liar(const char *kind, const char *name, void *target)
                  {"formats", "vkGetPhysicalDeviceFormatProperties", (void *)(intptr_t)tell_format},
                  {"surface", "vkGetPhysicalDeviceSurfaceCapabilitiesKHR", (void *)(intptr_t)tell_surface},
                  {"features", "vkGetPhysicalDeviceFeatures", (void *)(intptr_t)tell_features}};
+    if (strcmp(kind, "barrier") == 0)
+        return barrier_liar(name, target, lie.value);
     for (size_t i = 0; i < sizeof liars / sizeof liars[0]; i++) {
         if (strcmp(liars[i].kind, kind) == 0 && strcmp(liars[i].name, name) == 0) {
             asked = target;

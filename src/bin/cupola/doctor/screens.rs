@@ -75,8 +75,9 @@ pub fn swap_groups(display: &Environment, device: Option<&Headless>) -> String {
     let is = |there: bool| if there { "is there" } else { "is missing" };
     let words = format!("GLX_NV_swap_group {}, VK_NV_present_barrier {}", is(glx), is(vulkan));
     match (glx, vulkan) {
-        (true, _) => format!("{words}; windows of OpenGL join one with window.swap_group in the rig"),
-        (false, true) => format!("{words}; Cupola joins groups of GLX only"),
+        (true, true) => format!("{words}; windows join with window.swap_group in the rig"),
+        (true, false) => format!("{words}; windows of OpenGL join one with window.swap_group in the rig"),
+        (false, true) => format!("{words}; windows of Vulkan join it with window.swap_group in the rig"),
         (false, false) => format!("{words}: displays begin to show a frame at different moments"),
     }
 }

@@ -12,6 +12,7 @@ pub mod presenter;
 use crate::failure::Failure;
 use crate::pipe::nut;
 use crate::window::presenter::{Filled, Presenter};
+use cupola::rig::WindowSwaps;
 use cupola::ring::{self, Frame, Next, Picture, Reader};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -42,6 +43,17 @@ pub struct Arguments {
     /// Fill the screen
     #[arg(long)]
     fullscreen: bool,
+    /// Refreshes of the display that each picture waits for at least (0 to 16); 0 may show parts of
+    /// two pictures at once [default: the X server shows pictures when they come]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=16))]
+    swap_interval: Option<u32>,
+    /// Join this swap group of the driver (GLX_NV_swap_group), so that windows of several screens
+    /// change at one time
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    swap_group: Option<u32>,
+    /// Bind the swap group to this barrier, so that windows of several machines change at one time
+    #[arg(long, value_name = "N", requires = "swap_group", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    swap_barrier: Option<u32>,
     /// Place of the window's upper left corner on the screen
     #[arg(long, value_name = "X,Y", value_parser = place, hide = true)]
     at: Option<(i16, i16)>,
@@ -117,6 +129,7 @@ impl Arguments {
                 Filled::Picture { x, y }
             }
         };
-        Presenter::open(self.display.as_deref(), &filled)
+        let swaps = WindowSwaps { interval: self.swap_interval, group: self.swap_group, barrier: self.swap_barrier };
+        Ok(Presenter::open(self.display.as_deref(), &filled)?.with(swaps))
     }
 }

@@ -2,7 +2,7 @@
 //! and open them again when their screens come back.
 
 use crate::launch::{Environment, apply};
-use cupola::rig::{Output, OwnWindow, Rig};
+use cupola::rig::{Output, OwnWindow, Rig, WindowSwaps};
 use cupola::system::process;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -32,7 +32,7 @@ impl Windows {
         let here = rig.beside.iter().chain(&rig.outputs).filter(|output| output.here);
         let own = here.filter_map(|output| Some((output, output.own_window.as_ref()?)));
         let mut windows = Self::default();
-        own.for_each(|(output, own)| windows.add(Opening::new(output, own, published, display)));
+        own.for_each(|(output, own)| windows.add(Opening::new((output, own), rig.window, published, display)));
         windows
     }
 
@@ -44,7 +44,7 @@ impl Windows {
         let shown = rig.outputs.iter().zip(places).filter(|(output, _)| output.here && output.shown);
         let shown = shown.filter(|(output, _)| output.own_window.is_none()).map(|(output, place)| Opening {
             at: Some((place.x, place.y)),
-            ..Opening::new(output, &usual, published, display)
+            ..Opening::new((output, &usual), rig.window, published, display)
         });
         let mut windows = Self::open(rig, published, display);
         shown.for_each(|opening| windows.add(opening));
@@ -70,6 +70,7 @@ impl Windows {
 struct Opening {
     output: String,
     own: OwnWindow,
+    swaps: WindowSwaps,
     /// Upper left corner on the screen; `None`: that of the screen.
     at: Option<(u32, u32)>,
     published: PathBuf,
@@ -77,10 +78,11 @@ struct Opening {
 }
 
 impl Opening {
-    fn new(output: &Output, own: &OwnWindow, published: &Path, display: &Environment) -> Self {
+    fn new((output, own): (&Output, &OwnWindow), swaps: WindowSwaps, published: &Path, display: &Environment) -> Self {
         Self {
             output: output.name.clone(),
             own: own.clone(),
+            swaps,
             at: None,
             published: published.to_owned(),
             display: display.clone(),
@@ -100,6 +102,12 @@ impl Opening {
         }
         if let Some((x, y)) = self.at {
             command.args(["--at", &format!("{x},{y}")]);
+        }
+        let WindowSwaps { interval, group, barrier } = self.swaps;
+        for (option, value) in [("--swap-interval", interval), ("--swap-group", group), ("--swap-barrier", barrier)] {
+            if let Some(value) = value {
+                command.args([option, &value.to_string()]);
+            }
         }
         if self.own.fullscreen {
             command.arg("--fullscreen");

@@ -1,6 +1,9 @@
-//! Windows that show pictures pixel for pixel, on any X screen or monitor.
+//! Windows that show pictures pixel for pixel, on any X screen or monitor: by the X server, or, with
+//! a swap interval or a swap group, by an OpenGL driver.
 
 use crate::failure::Failure;
+use cupola::backend::gl::driver::glx;
+use cupola::rig::WindowSwaps;
 use std::fmt::Display;
 use x11rb::connection::{Connection, RequestConnection};
 use x11rb::protocol::randr::ConnectionExt as _;
@@ -29,15 +32,17 @@ pub struct Presenter {
     /// Rectangle to fill: x and y, and width and height in pixels; `None` = the size of the
     /// picture.
     filled: ((i16, i16), Option<(u16, u16)>),
+    swaps: WindowSwaps,
     window: Option<Window>,
 }
 
 /// A window, with the object that draws into it.
-#[derive(Clone, Copy)]
 struct Window {
     window: u32,
     context: u32,
     size: (u16, u16),
+    /// The driver that shows the pictures; `None`: the X server does.
+    driver: Option<glx::window::Window>,
 }
 
 fn failed(name: &str) -> impl Fn(&dyn Display) -> Failure {
@@ -74,7 +79,13 @@ impl Presenter {
             }
         };
         drop(failed);
-        Ok(Self { connection, name, screen, filled, window: None })
+        Ok(Self { connection, name, screen, filled, swaps: WindowSwaps::default(), window: None })
+    }
+
+    /// Lets an OpenGL driver show the pictures, with this swap interval and swap group. Without
+    /// these the X server shows them.
+    pub fn with(self, swaps: WindowSwaps) -> Self {
+        Self { swaps, ..self }
     }
 
     /// Opens the window for pictures of a size.
@@ -100,9 +111,41 @@ impl Presenter {
             connection.create_window(0, window, root, x, y, width, height, 0, class, 0, &looks)?;
             connection.create_gc(context, window, &CreateGCAux::new())?;
             connection.map_window(window)?.check()?;
-            Ok(Window { window, context, size: (width, height) })
+            Ok(Window { window, context, size: (width, height), driver: None })
         };
-        open().map_err(|error| failed(&self.name)(&error))
+        let made = open().map_err(|error| failed(&self.name)(&error))?;
+        let wants = self.swaps != WindowSwaps::default();
+        Ok(Window { driver: wants.then(|| self.driver(&made)).flatten(), ..made })
+    }
+
+    /// Returns a driver with the swap interval and the swap group. Messages say what it refuses.
+    fn driver(&self, made: &Window) -> Option<glx::window::Window> {
+        let size = (made.size.0.into(), made.size.1.into());
+        let driver = glx::window::Window::new(Some(&self.name), made.window, self.screen.root_visual, size);
+        let driver = match driver {
+            Ok(driver) => driver,
+            Err(error) => {
+                let why = error.message;
+                eprintln!("cupola: the X server shows the pictures, without swap interval and swap group: {why}");
+                return None;
+            }
+        };
+        if self.swaps.interval.is_some_and(|interval| !driver.set_interval(interval)) {
+            eprintln!("cupola: the driver has no swap interval");
+        }
+        if let Some(group) = self.swaps.group {
+            if !driver.join_group(group) {
+                eprintln!(
+                    "cupola: the driver does not let the window join swap group {group}, so displays are not locked \
+                     together; `cupola doctor` says whether it has swap groups"
+                );
+            } else if let Some(barrier) = self.swaps.barrier
+                && !driver.bind_barrier(group, barrier)
+            {
+                eprintln!("cupola: the driver does not bind swap group {group} to barrier {barrier}");
+            }
+        }
+        Some(driver)
     }
 
     /// Shows a picture with red, green, blue and one more byte for each pixel, and waits until the
@@ -112,10 +155,14 @@ impl Presenter {
     /// # Errors
     /// The X server is gone, or refuses the window.
     pub fn show(&mut self, size: (u32, u32), rgba: &[u8]) -> Result<(), Failure> {
-        let Window { window, context, size: (across, down) } = match self.window {
-            Some(window) => window,
-            None => *self.window.insert(self.open_window(size)?),
-        };
+        if self.window.is_none() {
+            self.window = Some(self.open_window(size)?);
+        }
+        let Some(Window { window, context, size: (across, down), driver }) = &mut self.window else { return Ok(()) };
+        if let Some(driver) = driver {
+            return Ok(driver.show(size, rgba)?);
+        }
+        let (window, context, across, down) = (*window, *context, *across, *down);
         let failed = failed(&self.name);
         let (width, height) = (size.0.min(across.into()) as u16, size.1.min(down.into()) as u16);
         let row = size.0 as usize * 4;

@@ -97,7 +97,7 @@ fn draw_to_window(
     };
     let Some(target) = ctx.drawable.target() else { return };
     let (session, primary) = (target.session.clone(), target.primary());
-    let counts = changes != Changes::Nothing || ctx.app.feedback() || ctx.queries.primitives();
+    let counts = changes != Changes::Nothing || ctx.app.feedback() || ctx.queries.have_counted();
     let shown = if counts || !select::enabled() { shown } else { shown.within(session.needed()) };
     if class != DrawClass::Behind {
         ctx.frame.note_viewport(ctx.app.viewport());

@@ -21,7 +21,7 @@ use crate::intercept::gl::state::frame::Frame;
 use crate::intercept::gl::state::queries::{
     Count, Queries, ResultBuffer, Running, begin_real, end_real, kind, quantity, result,
 };
-use crate::intercept::scene::query_scaling::{QueryScaling, factor};
+use crate::intercept::scene::query_scaling::{Quantity, QueryScaling, factor};
 use crate::runtime::Session;
 
 /// Sets the factors for the next draw.
@@ -86,6 +86,8 @@ pub fn begin(driver: &mut Driver, queries: &mut Queries, target: u32, index: u32
             }
             queries.wide = !driver.profile.es && driver.profile.version >= 33;
             queries.has_buffers = !driver.profile.es && driver.profile.version >= 44;
+            let samples = kind(target) == api::GL_SAMPLES_PASSED;
+            queries.have_counted |= samples || quantity(target) != Quantity::Unscaled;
             let before = Count { target, ..Count::default() };
             queries.running.push(Running { target, index, name, now: Some((name, None)), before });
         }

@@ -26,6 +26,8 @@ pub struct Queries {
     pub(in crate::intercept::gl) wide: bool,
     /// True if the context has buffers for results.
     pub(in crate::intercept::gl) has_buffers: bool,
+    /// True if a query has counted what is drawn.
+    pub(in crate::intercept::gl) have_counted: bool,
     /// Conditional rendering.
     pub(in crate::intercept::gl) condition: Condition,
 }
@@ -97,6 +99,12 @@ impl Queries {
     /// True if a running query counts primitives, so that no draw may be left out.
     pub fn primitives(&self) -> bool {
         self.running.iter().any(|r| quantity(r.target) == Quantity::Primitives)
+    }
+
+    /// True if a query has counted what is drawn. Its result must not depend on the machine, and
+    /// depends on draws outside of the query, too, which may hide what it counts.
+    pub fn have_counted(&self) -> bool {
+        self.have_counted
     }
 
     /// Ends the part of each running query that counts now, before internal drawing of Cupola.

@@ -3,7 +3,7 @@
 use crate::backend::vk::{Api, missing_of_device};
 use crate::intercept::process::{clock, log, nodes, settings};
 use crate::intercept::vk::layer::features::Enabled;
-use crate::intercept::vk::layer::{chain_links, features};
+use crate::intercept::vk::layer::{chain_links, features, present_barrier};
 use crate::intercept::vk::state::device::{DEVICES, Device, Role, get};
 use crate::intercept::vk::state::driver::entry_points::NextLayer;
 use crate::intercept::vk::state::driver::instance;
@@ -14,7 +14,7 @@ use crate::intercept::vk::state::views::vertices::VertexProcessing;
 use crate::intercept::vk::state::views::view_constants::ConstantPool;
 use crate::lock::{Lock, SharedLock};
 use crate::runtime::cache;
-use ash::{ext, khr, vk};
+use ash::{ext, khr, nv, vk};
 use std::collections::HashMap;
 use std::ffi::CStr;
 use std::sync::Arc;
@@ -44,7 +44,10 @@ pub unsafe extern "system" fn create(
         let create: vk::PFN_vkCreateDevice = std::mem::transmute(create);
         let active = wanted(given);
         let has = || parent.functions.get_physical_device_features(physical);
-        let enabled = features::enable(given, active, has);
+        let mut enabled = features::enable(given, active, has);
+        let barrier =
+            (active && has_present_barrier(&parent, physical)).then(|| present_barrier::device(&mut enabled.info));
+        let joins_barriers = barrier.as_ref().is_some_and(Option::is_some);
         let result = create(physical, &enabled.info, allocator, handle);
         if result == vk::Result::SUCCESS {
             let made = *handle;
@@ -58,7 +61,7 @@ pub unsafe extern "system" fn create(
             let driver = driver(&parent, physical, made, link.get_device_proc_addr, callback);
             let state = Device {
                 next: NextLayer::load(&|name| (link.get_device_proc_addr)(made, name.as_ptr())),
-                role: role(given, active, &enabled),
+                role: Role { joins_barriers, ..role(given, active, &enabled) },
                 flatness: Default::default(),
                 recordings: Default::default(),
                 framebuffers: Default::default(),
@@ -143,7 +146,23 @@ unsafe fn role(given: &vk::DeviceCreateInfo<'_>, active: bool, enabled: &Enabled
         counts_samples: enabled.counts_samples,
         // SAFETY: as promised.
         topologies_change: unsafe { enables(given, ext::extended_dynamic_state3::NAME) },
+        joins_barriers: false,
     }
+}
+
+/// True if the rig wants a present barrier, and the device and the instance have what it needs.
+///
+/// # Safety
+/// `physical` must be of this instance.
+unsafe fn has_present_barrier(parent: &Instance, physical: vk::PhysicalDevice) -> bool {
+    let name = c"vkGetPhysicalDeviceSurfaceCapabilities2KHR".as_ptr();
+    // SAFETY: as promised.
+    let (can_ask, known) = unsafe {
+        let extensions = || parent.functions.enumerate_device_extension_properties(physical).unwrap_or_default();
+        let can_ask = (parent.get_instance_proc_addr)(parent.functions.handle(), name).is_some();
+        (can_ask, if present_barrier::wanted() { extensions() } else { Vec::new() })
+    };
+    can_ask && known.iter().any(|known| known.extension_name_as_c_str() == Ok(nv::present_barrier::NAME))
 }
 
 /// True if Cupola has anything to do on a device.

@@ -1,6 +1,6 @@
 //! Life of an instance: `vkCreateInstance` and `vkDestroyInstance`.
 
-use crate::intercept::vk::layer::chain_links;
+use crate::intercept::vk::layer::{chain_links, present_barrier};
 use crate::intercept::vk::state::driver::instance::{INSTANCES, Instance, address, dispatch_key};
 use crate::lock::SharedLock;
 use ash::vk;
@@ -25,7 +25,9 @@ pub unsafe extern "system" fn create(
             return vk::Result::ERROR_INITIALIZATION_FAILED;
         };
         let create: vk::PFN_vkCreateInstance = std::mem::transmute(create);
-        let result = create(info, allocator, handle);
+        let extended =
+            info.as_ref().filter(|_| present_barrier::wanted()).and_then(|info| present_barrier::instance(info));
+        let result = create(extended.as_ref().map_or(info, |(info, _)| &raw const *info), allocator, handle);
         if result == vk::Result::SUCCESS {
             let made = *handle;
             let find = |name: &std::ffi::CStr| address(next(made, name.as_ptr()));

@@ -19,4 +19,5 @@ mod every_command;
 pub mod features;
 pub mod instance;
 pub mod negotiate;
+mod present_barrier;
 pub mod table;

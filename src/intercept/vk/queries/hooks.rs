@@ -15,6 +15,7 @@ use crate::lock::Lock;
 use ash::vk;
 use std::ffi::c_void;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 /// Returns the quantities of a query's result; empty for queries whose results are not scaled.
 fn quantities(info: &vk::QueryPoolCreateInfo<'_>) -> Vec<Quantity> {
@@ -63,6 +64,7 @@ hooks! {
         let quantities = quantities(&*info);
         if result == vk::Result::SUCCESS && !quantities.is_empty() {
             let factors = vec![QueryScaling::ONCE; (*info).query_count as usize];
+            state.queries.have_counted.store(true, Ordering::Relaxed);
             let mut pools = state.queries.pools.locked();
             pools.insert(*made, Arc::new(Pool::new(quantities, factors)));
         }

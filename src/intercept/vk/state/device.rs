@@ -77,6 +77,8 @@ pub struct Role {
     pub(in crate::intercept::vk) counts_samples: bool,
     /// True if commands may change the class of the primitives of a pipeline.
     pub(in crate::intercept::vk) topologies_change: bool,
+    /// True if its windows may join the driver's present barrier.
+    pub(in crate::intercept::vk) joins_barriers: bool,
 }
 
 /// Frames that were presented.

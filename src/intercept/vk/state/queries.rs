@@ -7,6 +7,7 @@ use crate::intercept::vk::state::driver::Driver;
 use crate::lock::Lock;
 use ash::vk;
 use std::collections::HashMap;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, OnceLock};
 
 /// The factor 1. Factors have 32 fractional bits.
@@ -61,6 +62,8 @@ impl Pool {
 #[derive(Default)]
 pub struct Queries {
     pub(in crate::intercept::vk) pools: Mutex<HashMap<vk::QueryPool, Arc<Pool>>>,
+    /// True if there has been such a pool.
+    pub(in crate::intercept::vk) have_counted: AtomicBool,
     pub(in crate::intercept::vk) scaler: OnceLock<Option<QueryScaler>>,
 }
 

@@ -9,13 +9,13 @@ use crate::intercept::process::settings::{self, Settings};
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::state::device;
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::driver::structures::in_chain;
 use crate::intercept::vk::state::swapchains::formats::{TexelFormat, is_usual};
 use crate::intercept::vk::state::swapchains::{PictureSource, StandIn, Swapchain};
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::views::vertices::VertexProcessing;
+use crate::intercept::vk::swapchain::swaps;
 use crate::lock::Lock;
-use crate::rig::{Duplicate, Method, Rig, WindowSwaps};
+use crate::rig::{Duplicate, Method, Rig};
 use ash::prelude::VkResult;
 use ash::vk::{self, Handle};
 use std::sync::atomic::Ordering;
@@ -166,52 +166,30 @@ pub unsafe extern "system" fn create(
         changed.flags &= !vk::SwapchainCreateFlagsKHR::DEFERRED_MEMORY_ALLOCATION_EXT;
     }
     let live = live::rig();
-    let swaps = live.as_ref().map_or(settings.rig.window, |live| live.rig.window);
+    let window = live.as_ref().map_or(settings.rig.window, |live| live.rig.window);
     // SAFETY: the program's own call.
-    changed.present_mode = unsafe { present_mode(&device, given, swaps) };
-    let result = next(&changed);
+    changed.present_mode = unsafe { swaps::present_mode(&device, given, window) };
+    let mut barrier = vk::SwapchainPresentBarrierCreateInfoNV::default().present_barrier_enable(true);
+    barrier.p_next = changed.p_next.cast_mut();
+    // SAFETY: the program's own call.
+    let joins = unsafe { swaps::joins(&device, given, window) };
+    if joins {
+        changed.p_next = (&raw const barrier).cast();
+    }
+    let mut result = next(&changed);
+    if joins && result != vk::Result::SUCCESS {
+        changed.p_next = given.p_next;
+        result = next(&changed);
+        if result == vk::Result::SUCCESS {
+            log::once(swaps::NOT_LET);
+        }
+    }
     if result != vk::Result::SUCCESS {
         return result;
     }
     // SAFETY: the driver has just made it.
     unsafe { manage(&device, *swapchain, given, supported, settings) };
     vk::Result::SUCCESS
-}
-
-/// Returns the present mode for the rig's swap interval, or the program's.
-///
-/// # Safety
-/// The structure must be one that the program passes for this device.
-unsafe fn present_mode(
-    device: &Device,
-    given: &vk::SwapchainCreateInfoKHR<'_>,
-    swaps: WindowSwaps,
-) -> vk::PresentModeKHR {
-    if swaps.group.is_some() {
-        log::once("window.swap_group: Vulkan's windows join no swap group, so displays are not locked together");
-    }
-    let Some(interval) = swaps.interval else { return given.present_mode };
-    // SAFETY: as promised.
-    let chosen_later = unsafe {
-        in_chain::<vk::SwapchainPresentModesCreateInfoEXT<'_>>(
-            given.p_next,
-            vk::StructureType::SWAPCHAIN_PRESENT_MODES_CREATE_INFO_EXT,
-        )
-    };
-    if chosen_later.is_some() {
-        log::once("window.swap_interval: the program itself chooses how long each frame waits");
-        return given.present_mode;
-    }
-    if interval > 0 {
-        return vk::PresentModeKHR::FIFO;
-    }
-    let (mut modes, mut count) = ([vk::PresentModeKHR::FIFO; 16], 16);
-    let ask = device.driver.instance.surface.get_physical_device_surface_present_modes_khr;
-    // SAFETY: the program's surface; there is room for as many modes as the number says.
-    let answer = unsafe { ask(device.driver.physical, given.surface, &mut count, modes.as_mut_ptr()) };
-    let known = if answer == vk::Result::SUCCESS { &modes[..count.min(16) as usize] } else { &[] };
-    let wanted = [vk::PresentModeKHR::IMMEDIATE, vk::PresentModeKHR::MAILBOX];
-    wanted.into_iter().find(|mode| known.contains(mode)).unwrap_or(given.present_mode)
 }
 
 /// Takes charge of a new swapchain. If it cannot be corrected, its frames are still counted and

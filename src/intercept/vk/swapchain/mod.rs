@@ -19,3 +19,4 @@ pub mod read_back;
 mod record;
 pub mod stand_in;
 pub mod surfaces;
+mod swaps;

@@ -40,6 +40,7 @@ use crate::intercept::vk::state::views::view_constants::ChunkOffset;
 use ash::vk;
 use glam::Vec2;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 /// A draw of the program.
 pub struct ProgramDraw<'a> {
@@ -336,8 +337,10 @@ fn select(
         recording.events.push(Event::DrawGroup(recording.draw_groups.len()));
         recording.draw_groups.push(DrawGroup::new(constants, Arc::clone(layout), facts));
     }
-    // Queries count the samples of all views. What shaders write must not depend on the machine.
-    let all = recording.counting > 0 || variants.writes || settings::settings().is_none_or(|settings| !settings.cull);
+    // What queries count and what shaders write must not depend on the machine. Draws outside of a
+    // query may hide what it counts.
+    let counts = device.queries.have_counted.load(Ordering::Relaxed);
+    let all = counts || variants.writes || settings::settings().is_none_or(|settings| !settings.cull);
     let index = recording.draw_groups.len() - 1;
     let indirect = match &draw.size {
         DrawSize::Known(parameters) => indirect::place(device, recording, parameters, slots as u32),

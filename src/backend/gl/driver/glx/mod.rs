@@ -1,10 +1,12 @@
-//! Names of the driver that GLX programs get on the current display, read from a small off-screen
-//! context.
+//! GLX for commands: names of the driver that programs get on the current display, read from a small
+//! off-screen context, and a [`window`] in which a driver shows finished pictures.
+
+pub mod window;
 
 use crate::backend::gl::driver::api::{GL_RENDERER, GL_VENDOR, GL_VERSION, Gl};
 use crate::error::{Error, ErrorKind, Result};
 use libloading::Library;
-use std::ffi::{CStr, c_char, c_int, c_ulong, c_void};
+use std::ffi::{CStr, CString, c_char, c_int, c_ulong, c_void};
 use std::ptr::{null, null_mut};
 
 const GLX_DRAWABLE_TYPE: c_int = 0x8010;
@@ -44,6 +46,8 @@ struct Glx {
     create_context: unsafe extern "C" fn(Handle, Handle, c_int, Handle, c_int) -> Handle,
     destroy_context: unsafe extern "C" fn(Handle, Handle),
     make_current: unsafe extern "C" fn(Handle, c_ulong, c_ulong, Handle) -> c_int,
+    config_value: unsafe extern "C" fn(Handle, Handle, c_int, *mut c_int) -> c_int,
+    swap_buffers: unsafe extern "C" fn(Handle, c_ulong),
     is_direct: unsafe extern "C" fn(Handle, Handle) -> c_int,
     query_extensions: unsafe extern "C" fn(Handle, c_int) -> *const c_char,
     // Keep the functions above valid. This is the last field, since fields are dropped in order.
@@ -76,6 +80,8 @@ impl Glx {
             create_context: function!(gl, b"glXCreateNewContext\0"),
             destroy_context: function!(gl, b"glXDestroyContext\0"),
             make_current: function!(gl, b"glXMakeContextCurrent\0"),
+            config_value: function!(gl, b"glXGetFBConfigAttrib\0"),
+            swap_buffers: function!(gl, b"glXSwapBuffers\0"),
             is_direct: function!(gl, b"glXIsDirect\0"),
             query_extensions: function!(gl, b"glXQueryExtensionsString\0"),
             _libraries: [x11, gl],
@@ -91,21 +97,28 @@ impl Glx {
 /// [`ErrorKind::Graphics`] if there is no Xlib, no GLX, no such display, or no context; the message
 /// says which.
 pub fn driver() -> Result<Driver> {
+    let (glx, display) = connect(None)?;
+    let driver = on_display(glx, display);
+    // SAFETY: the display is open, and nothing of it is used from here on.
+    unsafe { (glx.close_display)(display) };
+    driver
+}
+
+/// Loads GLX and connects to a display; `None`: that of `DISPLAY`.
+fn connect(name: Option<&str>) -> Result<(&'static Glx, Handle)> {
     // Never dropped: drivers leave handlers behind in Xlib that must stay loaded.
     let glx = Box::leak(Box::new(Glx::load()?));
-    // SAFETY: null names the display of DISPLAY.
-    let display = unsafe { (glx.open_display)(null()) };
+    let given = name.map(CString::new).transpose().map_err(|_| graphics("the display's name contains a zero"))?;
+    // SAFETY: null names the display of DISPLAY; a name ends with a zero.
+    let display = unsafe { (glx.open_display)(given.as_ref().map_or(null(), |name| name.as_ptr())) };
     if display.is_null() {
-        let name = std::env::var("DISPLAY").unwrap_or_default();
+        let name = name.map(str::to_owned).or_else(|| std::env::var("DISPLAY").ok()).unwrap_or_default();
         return Err(graphics(match name.as_str() {
             "" => "there is no X display (DISPLAY is not set)".to_owned(),
             name => format!("the X display {name} cannot be opened"),
         }));
     }
-    let driver = on_display(glx, display);
-    // SAFETY: the display is open, and nothing of it is used from here on.
-    unsafe { (glx.close_display)(display) };
-    driver
+    Ok((glx, display))
 }
 
 fn on_display(glx: &Glx, display: Handle) -> Result<Driver> {
