@@ -7,7 +7,7 @@ use crate::intercept::vk::state::driver::Driver;
 use crate::lock::Lock;
 use ash::vk;
 use std::collections::HashMap;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 
 /// The factor 1. Factors have 32 fractional bits.
@@ -91,6 +91,11 @@ impl Queries {
     /// Returns a pool, if its queries are scaled.
     pub fn get(&self, handle: vk::QueryPool) -> Option<Arc<Pool>> {
         self.pools.locked().get(&handle).cloned()
+    }
+
+    /// True if there has been a pool whose queries are scaled.
+    pub fn have_counted(&self) -> bool {
+        self.have_counted.load(Ordering::Relaxed)
     }
 }
 

@@ -40,7 +40,6 @@ use crate::intercept::vk::state::views::view_constants::ChunkOffset;
 use ash::vk;
 use glam::Vec2;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 /// A draw of the program.
 pub struct ProgramDraw<'a> {
@@ -339,7 +338,7 @@ fn select(
     }
     // What queries count and what shaders write must not depend on the machine. Draws outside of a
     // query may hide what it counts.
-    let counts = device.queries.have_counted.load(Ordering::Relaxed);
+    let counts = device.queries.have_counted();
     let all = counts || variants.writes || settings::settings().is_none_or(|settings| !settings.cull);
     let index = recording.draw_groups.len() - 1;
     let indirect = match &draw.size {
