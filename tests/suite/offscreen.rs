@@ -133,12 +133,12 @@ fn a_toolkit_s_two_contexts() {
 /// A toolkit shows a scene in most of the window, with widgets below and above it. The scene is all
 /// around, and the panel has the widgets and a hole.
 fn a_scene_between_widgets() {
-    for mode in ["panes", "panes-copied"] {
-        let extra = ["--mode", mode];
+    for (mode, samples) in [("panes", "0"), ("panes-copied", "0"), ("panes", "4")] {
+        let extra = ["--mode", mode, "--samples", samples];
         let run = Run { extra: &extra, frames: 8, cupola_frames: 8, ..Run::new("toolkit") };
         let Some(finished) = run.under("fisheye") else { return };
         let finished = finished.expect_success().expect_no_gl_errors();
-        let what = format!("toolkit {mode}");
+        let what = format!("toolkit {mode}, {samples} samples");
         expect_between_widgets(&finished.picture("capture.png"), Limits::USUAL, &run, &what);
     }
 }

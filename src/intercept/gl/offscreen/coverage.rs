@@ -14,6 +14,7 @@ use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::offscreen::coverage::{Kind, Measure, Measured, Signature, State};
 use crate::intercept::gl::state::offscreen::images::Set;
+use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use crate::intercept::gl::state::queries::Queries;
 use crate::intercept::scene::viewport::parts::Picture;
@@ -131,13 +132,26 @@ pub fn measure(ctx: &mut Context, what: Measure, issue: impl FnOnce(&mut Context
 }
 
 /// Measures the borders of a draw in `tile`, which shows the program's own window, if this is to be
-/// measured. `issue` issues the draw and restores what it changes.
+/// measured. `issue` issues the draw and restores what it changes. A window with several samples per
+/// pixel is replaced by a picture with one: llvmpipe counts samples beside the scissor there.
 pub fn measure_borders(ctx: &mut Context, what: Measure, tile: LowerLeftRect, mut issue: impl FnMut(&mut Context)) {
     let kind = ctx.view_copies.coverage.0.get(what.kind);
     let (Measured::Borders, Some(State::Large(samples, picture))) = (what.what, kind.map(|kind| &kind.state)) else {
         return;
     };
-    let (gl, samples, picture) = (ctx.driver.gl, *samples, *picture);
+    let (gl, samples, picture, window) = (ctx.driver.gl, *samples, *picture, tile);
+    let has_samples = picture.samples > 1;
+    let canvas = has_samples.then(|| SingleSampleImage::new(gl, picture.size, api::GL_RGBA8)).flatten();
+    let (samples, picture, tile) = match &canvas {
+        None => (samples, picture, window),
+        Some(canvas) => {
+            // SAFETY: a framebuffer of Cupola; the window's is bound again below.
+            unsafe { gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, canvas.framebuffer()) };
+            let whole = picture.whole();
+            own_window_space(ctx, whole);
+            (samples / picture.samples, Picture { samples: 1, ..picture }, whole)
+        }
+    };
     let (mut depth, colours) = (0, ctx.driver.known_state.mask(gl));
     // SAFETY: nothing is written; the masks are put back below.
     unsafe {
@@ -156,7 +170,12 @@ pub fn measure_borders(ctx: &mut Context, what: Measure, tile: LowerLeftRect, mu
         gl.depth_mask(depth);
         gl.color_mask(colours[0], colours[1], colours[2], colours[3]);
     }
-    own_window_space(ctx, tile);
+    if let (Some(canvas), Some(target)) = (canvas, ctx.drawable.target()) {
+        // SAFETY: the framebuffer that stands for the window.
+        unsafe { gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, target.framebuffer()) };
+        canvas.destroy(gl);
+    }
+    own_window_space(ctx, window);
     set_state(ctx, what, State::Crossed(queries, samples, picture), &queries);
 }
 
