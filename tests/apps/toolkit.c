@@ -1,8 +1,8 @@
 /*
  * Direction test as a toolkit draws it: a context without a window draws the scene into a texture.
- * Another context, which shares the texture, draws the window with it. With --mode docked the scene
- * fills only a small part of the window. With --mode panes it fills most of it, between widgets; with
- * panes-copied it is copied there.
+ * Another context, which shares the texture, draws the window with it. A third one has a window that
+ * shows nothing. With --mode docked the scene fills only a small part of the window. With --mode panes
+ * it fills most of it, between widgets; with panes-copied it is copied there.
  */
 #include "common/fixed.h"
 
@@ -29,6 +29,14 @@ static void setup(app *a)
     width = has_panes(a) ? a->window.width * 7 / 8 : a->window.width;
     height = has_panes(a) ? a->window.height * 3 / 4 : a->window.height;
     a->projection = matrix_perspective(a->fov, (double)width / height, a->near, a->far);
+    /* A window beside it that is never swapped, with a context that draws to it once. */
+    window_request beside = a->request;
+    beside.x += 300;
+    const window hidden = window_open_beside(&a->window, &beside);
+    GLXContext first = glXCreateNewContext(a->window.display, a->window.config, GLX_RGBA_TYPE, a->window.context, True);
+    glXMakeContextCurrent(a->window.display, hidden.window, hidden.window, first);
+    glClear(GL_COLOR_BUFFER_BIT);
+    window_make_current(&a->window);
     static const int attributes[] = {GLX_PBUFFER_WIDTH, 1, GLX_PBUFFER_HEIGHT, 1, None};
     studio = glXCreateNewContext(a->window.display, a->window.config, GLX_RGBA_TYPE, a->window.context, True);
     nowhere = glXCreatePbuffer(a->window.display, a->window.config, attributes);
@@ -88,7 +96,10 @@ static void copy(int left, int bottom)
     glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
 }
 
-/* Draws a white square into the scene's picture, without perspective. */
+/*
+ * Draws into the scene's picture without perspective: a white square, and in a viewport of its own, over
+ * everything, a blue one.
+ */
 static void draw_mark(void)
 {
     glMatrixMode(GL_PROJECTION);
@@ -98,6 +109,11 @@ static void draw_mark(void)
     glDisable(GL_DEPTH_TEST);
     glColor3f(1.0f, 1.0f, 1.0f);
     glRectf(-0.8f, -0.8f, -0.5f, -0.5f);
+    glClear(GL_DEPTH_BUFFER_BIT);
+    glViewport(width - 60, 10, 40, 40);
+    glColor3f(0.0f, 0.0f, 1.0f);
+    glRectf(-1.0f, -1.0f, 1.0f, 1.0f);
+    glViewport(0, 0, width, height);
 }
 
 /* Draws the widgets around the scene, an orange background below it and a green menu above it. */

@@ -139,13 +139,17 @@ fn a_scene_between_widgets() {
         let Some(finished) = run.under("fisheye") else { return };
         let finished = finished.expect_success().expect_no_gl_errors();
         let what = format!("toolkit {mode}, {samples} samples");
-        expect_between_widgets(&finished.picture("capture.png"), Limits::USUAL, &run, &what);
+        let corner = ([200.0, 46.0, 232.0, 78.0], [0, 0, 255]);
+        expect_between_widgets(&finished.picture("capture.png"), Limits::USUAL, &run, &[corner], &what);
     }
 }
 
+/// A rectangle of the window (left, bottom, right, top) and its colour.
+type Widget = ([f64; 4], [u8; 3]);
+
 /// Checks a domemaster of a scene in most of the window, between an orange background and a green
-/// menu. The scene is within `limits`.
-pub fn expect_between_widgets(picture: &Picture, limits: Limits, run: &Run<'_>, what: &str) {
+/// menu. The scene is within `limits`. `corners`: flat drawing over it, besides the white square.
+pub fn expect_between_widgets(picture: &Picture, limits: Limits, run: &Run<'_>, corners: &[Widget], what: &str) {
     let edge = 30.0_f64.to_radians().tan();
     // Place on the panel in pixels of the window. `None`: beside the panel.
     let on_panel = |x: f64, y: f64| {
@@ -158,24 +162,27 @@ pub fn expect_between_widgets(picture: &Picture, limits: Limits, run: &Run<'_>, 
     };
     let scene = shown_by_fisheye(CIRCLE, camera_of(run));
     // The white square lies at the same place of the window on the panel.
-    let near_square = [50.0, 47.0, 92.0, 84.0];
+    let square: Widget = ([62.0, 59.0, 80.0, 72.0], [255, 255, 255]);
+    let near = |[left, bottom, right, top]: [f64; 4]| [left - 12.0, bottom - 12.0, right + 12.0, top + 12.0];
+    let flat: Vec<Widget> = corners.iter().copied().chain([square]).collect();
+    let is_near_flat = |at: [f64; 2]| flat.iter().any(|(place, _)| within(at, near(*place)));
     let shown = |x: f64, y: f64| match on_panel(x, y) {
-        Some(at) if !within(at, [38.0, 38.0, 250.0, 218.0]) || within(at, near_square) => Shown::Unknown,
+        Some(at) if !within(at, [38.0, 38.0, 250.0, 218.0]) || is_near_flat(at) => Shown::Unknown,
         _ => scene(x, y),
     };
     expect_good(&compare_with(picture, limits, shown, cube_colour, cube_face), picture, what);
-    let mut seen = [0; 4];
+    let widgets: [Widget; 3] = [
+        ([6.0, 6.0, 250.0, 26.0], [255, 128, 0]),
+        ([6.0, 6.0, 26.0, 218.0], [255, 128, 0]),
+        ([6.0, 230.0, 250.0, 250.0], [0, 128, 0]),
+    ];
+    let widgets: Vec<Widget> = flat.into_iter().chain(widgets).collect();
+    let mut seen = vec![0; widgets.len()];
     for (x, y) in (0..256).flat_map(|y| (0..256).map(move |x| (x, y))) {
         let Some(at) = on_panel(x as f64 + 0.5, y as f64 + 0.5) else { continue };
-        let widgets = [
-            ([6.0, 6.0, 250.0, 26.0], [255, 128, 0]),
-            ([6.0, 6.0, 26.0, 218.0], [255, 128, 0]),
-            ([6.0, 230.0, 250.0, 250.0], [0, 128, 0]),
-            ([62.0, 59.0, 80.0, 72.0], [255, 255, 255]),
-        ];
-        for (count, (_, colour)) in seen.iter_mut().zip(widgets).filter(|(_, (place, _))| within(at, *place)) {
+        for (count, (_, colour)) in seen.iter_mut().zip(&widgets).filter(|(_, (place, _))| within(at, *place)) {
             let found = picture.at(x, y);
-            assert!(found.iter().zip(colour).all(|(a, b)| a.abs_diff(b) <= 2), "{what}: ({x}, {y}) is {found:?}");
+            assert!(found.iter().zip(colour).all(|(a, b)| a.abs_diff(*b) <= 2), "{what}: ({x}, {y}) is {found:?}");
             *count += 1;
         }
     }

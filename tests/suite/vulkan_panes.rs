@@ -26,7 +26,7 @@ fn between_widgets(ways: &[&str]) {
         let extra = ["--way", way];
         let run = panes(&extra);
         let Some(finished) = run.vulkan_under("fisheye") else { return };
-        expect_between_widgets(&finished.picture("capture.png"), Limits::USUAL, &run, &format!("vk_panes {way}"));
+        expect_between_widgets(&finished.picture("capture.png"), Limits::USUAL, &run, &[], &format!("vk_panes {way}"));
         let statistics = finished.statistics();
         assert_eq!(statistics["duplicated_framebuffers"], 1, "{way}: {statistics:#}");
         assert!(!statistics["notes"].to_string().contains("flat"), "{way}: {statistics:#}");
@@ -62,7 +62,7 @@ fn a_scene_between_widgets_that_is_read() {
         let (Some(plain), Some(under)) = (run.vulkan_plain(), run.vulkan_under("fisheye")) else { return };
         let plain = plain.expect_success().picture("own.ppm");
         expect_identical(&under.picture("own.ppm"), &plain, &format!("vk_panes {way}, read"));
-        expect_between_widgets(&under.picture("capture.png"), limits, &run, &format!("vk_panes {way}, read"));
+        expect_between_widgets(&under.picture("capture.png"), limits, &run, &[], &format!("vk_panes {way}, read"));
         assert_eq!(under.statistics()["duplicated_framebuffers"], 1, "{way}");
     }
 }
@@ -76,7 +76,7 @@ fn a_window_with_widgets_that_is_read() {
         let plain = plain.expect_success().picture("own.ppm");
         expect_identical(&under.picture("own.ppm"), &plain, &format!("vk_panes {way}, window read"));
         let what = format!("vk_panes {way}, window read");
-        expect_between_widgets(&under.picture("capture.png"), Limits::USUAL, &run, &what);
+        expect_between_widgets(&under.picture("capture.png"), Limits::USUAL, &run, &[], &what);
     }
 }
 
@@ -90,6 +90,7 @@ fn a_window_with_widgets_is_resized() {
             &finished.picture("capture.png"),
             Limits::USUAL,
             &run,
+            &[],
             &format!("vk_panes {way}, resized"),
         );
     }

@@ -83,17 +83,18 @@ pub fn destroyed(handle: usize) {
     });
 }
 
-/// Returns the plan of a window that another context of the group draws to. That context is not
-/// current on any thread.
+/// Returns the plan of the window of which another context of the group has ended a frame last. That
+/// context is not current on any thread. Toolkits make contexts with windows that show nothing.
 pub fn lend_session(share: &Arc<ShareGroup>) -> Option<Arc<Session>> {
     contexts(|contexts| {
         let others = contexts.known.values().filter(|e| !e.current && e.context != 0);
-        others.filter(|entry| Arc::ptr_eq(&entry.share, share)).find_map(|entry| {
+        let targets = others.filter(|entry| Arc::ptr_eq(&entry.share, share)).filter_map(|entry| {
             // SAFETY: a live context that is current on no thread, and cannot become current while
             // the table is locked.
             let other = unsafe { &*(entry.context as *const Context) };
-            other.drawable.target().map(|target| target.session.clone())
-        })
+            other.drawable.target().map(|target| (other.frame.last(), target))
+        });
+        targets.max_by_key(|(last, _)| *last).map(|(_, target)| target.session.clone())
     })
 }
 

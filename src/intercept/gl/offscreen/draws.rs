@@ -73,11 +73,13 @@ pub fn draw(
     };
     let count = views(&ctx.drawable);
     ctx.view_copies.issued.count(shown, count);
-    let placed = match (class, corner) {
-        (_, Some(part)) if background::prepare(&ctx.drawable, &mut ctx.frame, &ctx.compat, part) => {
-            FlatPlacement::of(DrawClass::Behind)
+    let on_panel = part.map(|part| part.of_picture_at(shown_at(ctx, index)));
+    let placed = match (class, on_panel) {
+        (DrawClass::Flat, Some(part)) if sampled == 0 => {
+            let placed = background::prepare(&ctx.drawable, &mut ctx.frame, &ctx.compat, part);
+            FlatPlacement::of(if placed { DrawClass::Behind } else { class })
         }
-        (DrawClass::Flat, _) if sampled == 0 => place(ctx, index),
+        (DrawClass::Flat, None) if sampled == 0 => place(ctx, index),
         _ => FlatPlacement::of(class),
     };
     let class = placed.class;

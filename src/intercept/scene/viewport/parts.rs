@@ -74,6 +74,14 @@ impl PanelPart {
         Self { scale, offset: std::array::from_fn(|i| 2.0 * start[i] + scale[i] - 1.0) }
     }
 
+    /// Returns the place of this part of a picture on the panel, where `picture` has the picture.
+    pub fn of_picture_at(self, picture: Self) -> Self {
+        Self {
+            scale: std::array::from_fn(|i| picture.scale[i] * self.scale[i]),
+            offset: std::array::from_fn(|i| picture.scale[i] * self.offset[i] + picture.offset[i]),
+        }
+    }
+
     /// Returns the reprojection for this part, from that for the whole panel.
     pub fn reprojection(&self, whole: &ClipRows) -> ClipRows {
         let ([across, up], [right, above]) = (self.scale, self.offset);

@@ -21,7 +21,7 @@ pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> b
         target.content.forget();
     }
     if !ctx.redirected() || ctx.app.picking() {
-        if !view_copies::clear_with(ctx, &issue) {
+        if !view_copies::clear_with(ctx, cleared.color, &issue) {
             issue(gl);
         }
         return false;

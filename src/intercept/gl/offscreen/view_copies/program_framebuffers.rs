@@ -106,18 +106,18 @@ pub(in crate::intercept::gl::offscreen) fn make_framebuffer(ctx: &mut Context, i
     complete
 }
 
-/// Runs a clear of a framebuffer of the program. Returns false if the framebuffer is drawn only
-/// once.
-pub fn clear_with(ctx: &mut Context, issue: &dyn Fn(&Gl)) -> bool {
+/// Runs a clear of a framebuffer of the program. `colours`: it clears colours. Returns false if the
+/// framebuffer is drawn only once.
+pub fn clear_with(ctx: &mut Context, colours: bool, issue: &dyn Fn(&Gl)) -> bool {
     if ctx.app.draw_framebuffer() == 0 || ctx.app.picking() || !possible(&ctx.drawable) {
         return false;
     }
     let index = look(ctx);
-    // A clear of a part, as for a picture in a corner, does not remove the scene.
+    // Clears of a part, or of the depth alone, as for a picture in a corner, do not remove the scene.
     let name = ctx.view_copies.framebuffers[index].images().next();
     let size = name.and_then(|name| ctx.view_copies.image(name)).map_or(Size::default(), |image| image.size);
     let part = ctx.app.scissor_test() && !ctx.app.scissor().contains(LowerLeftRect::of_size(size));
-    ctx.view_copies.framebuffers[index].has_scene &= part;
+    ctx.view_copies.framebuffers[index].has_scene &= part || !colours;
     if !enter(ctx, index) {
         return false;
     }

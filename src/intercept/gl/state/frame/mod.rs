@@ -26,6 +26,7 @@ use crate::intercept::scene::viewport::parts::PanelPart;
 use crate::runtime::frame_times::FrameTimes;
 use crate::runtime::session::{Intrinsics, Session};
 use glam::DMat4;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
@@ -36,9 +37,14 @@ struct LargestViewport {
     in_last_frame: i64,
 }
 
+/// Number of frames that all windows have ended.
+static ENDED: AtomicU64 = AtomicU64::new(0);
+
 /// State of a window's frames.
 #[derive(Default)]
 pub struct Frame {
+    /// Number of the last frame among those of all windows; 0 if none has ended.
+    last: u64,
     /// True if something was drawn since the last swap.
     begun: bool,
     /// Flat drawing behind the scene.
@@ -93,6 +99,11 @@ impl Frame {
     /// Puts back what reads the pictures that are published, or something new.
     pub fn put_publishing(&mut self, publishing: Box<Publishing>) {
         self.publishing = Some(publishing);
+    }
+
+    /// Number of the last frame among those of all windows; 0 if none has ended.
+    pub fn last(&self) -> u64 {
+        self.last
     }
 
     /// True if something was drawn since the last swap.
@@ -356,6 +367,7 @@ impl Frame {
 
     /// Ends the frame.
     pub fn end(&mut self) {
+        self.last = ENDED.fetch_add(1, Ordering::Relaxed) + 1;
         self.cameras.end_frame();
         self.background.end_frame();
         let in_last_frame = self.largest_viewport.in_this_frame;
