@@ -12,7 +12,7 @@ tests! {
     an_edited_rig_is_shown_at_once_and_exactly_when_it_rests,
 }
 
-const LIMIT: Duration = Duration::from_secs(60);
+const LIMIT: Duration = Duration::from_secs(20);
 /// Difference of a colour that counts, of 255.
 const FAR: u8 = 40;
 
@@ -40,6 +40,11 @@ fn far(found: &Picture, expected: &Picture) -> f64 {
     far as f64 / expected.pixels.len() as f64
 }
 
+/// True for a picture that its own plan has made, up to roundings.
+fn is_exact(found: &Picture, exact: &Picture) -> bool {
+    found.difference(exact).0 * 1000 <= exact.pixels.len()
+}
+
 /// Changes the rig, and watches until the picture is `exact`. `None`: the program has ended before.
 fn watch(ring: &Path, file: &Path, edited: &str, exact: &Picture, has_ended: &AtomicBool) -> Option<Watched> {
     let mut frame = Frame::default();
@@ -64,7 +69,7 @@ fn watch(ring: &Path, file: &Path, edited: &str, exact: &Picture, has_ended: &At
     }
     let first = picture(&frame);
     note(format_args!("the first picture of the changed rig comes after {:?}", started.elapsed()));
-    while picture(&frame) != *exact && started.elapsed() < LIMIT {
+    while !is_exact(&picture(&frame), exact) && started.elapsed() < LIMIT {
         next(&mut frame).then_some(())?;
     }
     note(format_args!("the exact one after {:?}", started.elapsed()));
@@ -101,8 +106,10 @@ fn an_edited_rig_is_shown_at_once_and_exactly_when_it_rests() {
     let Watched { before, first, last } = watched.expect("pictures of the changed rig");
     let [changed, rough] = [&before, &first].map(|picture| far(picture, &exact));
     note(format_args!("far from the exact picture: {changed:.4} before the change, {rough:.4} after it"));
-    assert!(last == exact, "the exact picture does not come");
+    let [rough_differs, last_differs] = [&first, &last].map(|picture| picture.difference(&exact));
+    note(format_args!("pixels that differ: {rough_differs:?} in the first picture, {last_differs:?} in the last one"));
+    assert!(is_exact(&last, &exact), "the exact picture does not come");
     // Parts that no view showed are black. Negative control: the picture before the change.
-    assert!(rough < 0.08 && changed > 0.2 && rough < 0.3 * changed, "{changed} {rough}");
-    assert!(first != exact, "the first picture is not a rough one");
+    assert!(rough < 0.01 && changed > 0.03, "{changed} {rough}");
+    assert!(!is_exact(&first, &exact), "the first picture is not a rough one");
 }

@@ -302,7 +302,10 @@ mod tests {
         // What the page has is left out.
         let known: Vec<u64> = first.meshes.iter().map(|mesh| mesh.id).collect();
         let moved = next.bytes(7, &[]).len() - next.bytes(7, &known).len();
-        assert_eq!(moved, [0, 1, 3, 4, 5].map(|index: usize| next.meshes[index].bytes((9, 9)).len()).iter().sum());
+        assert_eq!(
+            moved,
+            [0, 1, 3, 4, 5].map(|index: usize| next.meshes[index].bytes((9, 9)).len()).iter().sum::<usize>()
+        );
         rig.viewer.position.x += 0.1;
         let moved = Scene::new(&rig, first.sizes.clone(), Some(&next));
         assert!(!Arc::ptr_eq(&moved.meshes[0], &next.meshes[0]), "another viewer");

@@ -94,7 +94,8 @@ pub fn follow_rig(ctx: &mut Context) {
     let (Some(settings), Some(window)) = (settings::settings(), ctx.drawable.window().cloned()) else { return };
     let Some(mut old) = ctx.drawable.take_target() else { return };
     ctx.driver.take_errors();
-    if old.next.is_none() && live::rig().is_some_and(|live| follows_camera(&mut ctx.frame, &mut old, live)) {
+    let is_new = old.version != version;
+    if is_new && old.next.is_none() && live::rig().is_some_and(|live| follows_camera(&mut ctx.frame, &mut old, live)) {
         view_copies::clear(ctx);
         ctx.drawable.put_target(old);
         start_again(ctx);
@@ -102,7 +103,7 @@ pub fn follow_rig(ctx: &mut Context) {
         return;
     }
     let linked = old.backend.linked();
-    if old.version != version && live::rig().is_some_and(|live| old.show_roughly(ctx.driver.gl, &live)) {
+    if is_new && live::rig().is_some_and(|live| old.show_roughly(ctx.driver.gl, &live)) {
         ctx.frame.note_linked(old.backend.linked() - linked);
         ctx.drawable.put_target(old);
         take_own_errors(&mut ctx.driver);
