@@ -210,7 +210,8 @@ impl Working {
     }
 
     fn write(&mut self) -> Result<(), String> {
-        self.write_text(&self.text().to_owned())
+        let text = self.text().to_owned();
+        self.write_text(&text)
     }
 
     /// Writes the working file. Each text has a number of its own, so that the program's frames tell
