@@ -89,6 +89,9 @@
 #define CUPOLA_RING_SLOT_TIME 2
 /* Number of pictures, at most CUPOLA_RING_PICTURES. */
 #define CUPOLA_RING_SLOT_PICTURES 3
+/* FNV-1a checksum (64 bits) of the text of the rig's file that the frame shows. 0: not known, as for presets
+ * and programs of earlier versions of Cupola. */
+#define CUPOLA_RING_SLOT_RIG 4
 /* First word of the table of pictures. */
 #define CUPOLA_RING_SLOT_TABLE 8
 

@@ -18,11 +18,10 @@ start_browser() {
     done
     [ -n "$port" ] || fail "chromedriver did not start: $(cat "$folder/driver.txt")"
     browser=http://127.0.0.1:$port
-    # Chromium's sandbox refuses to run as root, and this may run as root; the page is trusted. WebGL is drawn in
-    # software.
+    # Chromium's sandbox refuses to run as root, and this may run as root; the page is trusted. As Chromium does by itself
+    # without a graphics card, SwiftShader draws WebGL, and the rest of the page is put together without it.
     answer=$(driver POST session "$(jq --null-input --arg size "$2,$3" '{ capabilities: { alwaysMatch: { "goog:chromeOptions": { args: [
-        "--headless=new", "--no-sandbox", "--hide-scrollbars", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-        "--ignore-gpu-blocklist", "--window-size=" + $size ] }, timeouts: { script: 3600000 } } } }')")
+        "--headless=new", "--no-sandbox", "--hide-scrollbars", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader", "--window-size=" + $size ] }, timeouts: { script: 3600000 } } } }')")
     browser=$browser/session/$(jq --raw-output .sessionId <<<"$answer")
     # The window contains bars beside the page.
     answer=$(driver POST execute/sync '{ "script": "return outerHeight - innerHeight", "args": [] }')

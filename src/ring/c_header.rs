@@ -50,6 +50,7 @@ fn expected() -> BTreeMap<String, String> {
         ("SLOT_INDEX", slot::INDEX),
         ("SLOT_TIME", slot::TIME),
         ("SLOT_PICTURES", slot::PICTURES),
+        ("SLOT_RIG", slot::RIG),
         ("SLOT_TABLE", slot::TABLE),
         ("PICTURES", layout::PICTURES),
         ("PICTURE_NAME", picture::NAME),

@@ -74,6 +74,8 @@ pub mod slot {
     pub const TIME: usize = 2;
     /// Number of pictures.
     pub const PICTURES: usize = 3;
+    /// Checksum of the rig that the frame shows, or 0: [`Stamp::rig`](super::Stamp::rig).
+    pub const RIG: usize = 4;
     /// First word of the table of pictures.
     pub const TABLE: usize = 8;
 }
@@ -92,6 +94,25 @@ pub mod picture {
     pub const FORMAT: usize = 11;
     /// Words of a picture.
     pub const WORDS: usize = 16;
+}
+
+/// Numbers of a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stamp {
+    /// The program's own number of the frame, from 1.
+    pub index: u64,
+    /// Time on the program's monotonic clock, in nanoseconds.
+    pub time: u64,
+    /// Checksum of the text of the rig's file that the frame shows ([`text_sum`]); 0: not known.
+    pub rig: u64,
+}
+
+/// Checksum of the text of a rig's file: FNV-1a with 64 bits. It is never 0.
+pub fn text_sum(text: &[u8]) -> u64 {
+    let sum = text
+        .iter()
+        .fold(0xCBF2_9CE4_8422_2325, |sum: u64, byte| (sum ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01B3));
+    sum.max(1)
 }
 
 /// Bytes of a name.

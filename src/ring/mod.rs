@@ -28,7 +28,7 @@ mod interleavings;
 #[cfg(test)]
 mod tests;
 
-pub use layout::Format;
+pub use layout::{Format, Stamp, text_sum};
 pub use place::{default_path, remove_if_ended};
 pub use reader::{Frame, Next, Picture, Reader};
 pub use writer::{Pictures, Shape, Writer};

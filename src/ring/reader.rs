@@ -59,6 +59,8 @@ pub struct Frame {
     pub index: u64,
     /// Time on the monotonic clock, in nanoseconds.
     pub time: u64,
+    /// Checksum of the rig that it shows; 0: not known.
+    pub rig: u64,
     /// Its pictures.
     pub pictures: Vec<Picture>,
 }
@@ -227,6 +229,7 @@ impl Reader {
         let was_whole = is_whole();
         if was_whole {
             (frame.number, frame.index, frame.time) = (number, word(slot::INDEX), word(slot::TIME));
+            frame.rig = word(slot::RIG);
             self.copy_pictures(slot, frame)?;
         }
         // The copy is complete before the cursor moves.

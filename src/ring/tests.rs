@@ -1,5 +1,5 @@
 use super::layout::{self, ACTIVE, ReaderWords, header};
-use super::{Format, Frame, Next, Reader, Shape, Writer};
+use super::{Format, Frame, Next, Reader, Shape, Stamp, Writer, text_sum};
 use crate::system::SharedMemory;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -29,7 +29,7 @@ fn pixels(index: u64, picture: usize, (width, height): (u32, u32)) -> Vec<u8> {
 fn publish(writer: &mut Writer, index: u64) {
     let all: Vec<_> = writer.shapes().iter().enumerate().map(|(i, shape)| pixels(index, i, shape.size)).collect();
     let widths: Vec<usize> = writer.shapes().iter().map(|shape| shape.size.0 as usize * 4).collect();
-    writer.publish(index, index * 1000, |pictures| {
+    writer.publish(Stamp { index, time: index * 1000, rig: index * 7 }, |pictures| {
         for (i, rgba) in all.iter().enumerate() {
             (0..).zip(rgba.chunks_exact(widths[i])).for_each(|(y, row)| pictures.row(i, y, row));
         }
@@ -38,7 +38,7 @@ fn publish(writer: &mut Writer, index: u64) {
 
 fn is_right(frame: &Frame) -> bool {
     let pictures = frame.pictures.iter().enumerate();
-    frame.time == frame.index * 1000
+    (frame.time, frame.rig) == (frame.index * 1000, frame.index * 7)
         && !frame.pictures.is_empty()
         && pictures
             .into_iter()
@@ -58,6 +58,11 @@ fn a_reader_gets_each_frame_with_all_its_pixels() {
     }
     // The comparison notices a wrong pixel.
     frame.pictures[1].rgba[7] ^= 1;
+    assert!(!is_right(&frame));
+    // And the checksum of another rig.
+    frame.pictures[1].rgba[7] ^= 1;
+    assert!(is_right(&frame));
+    frame.rig += 1;
     assert!(!is_right(&frame));
     publish(&mut writer, 11);
     assert_eq!(writer.readers(), (1, 0));
@@ -284,7 +289,7 @@ fn deep_pictures_are_for_readers_that_ask_for_them() {
     let bytes: Vec<u8> = colors.iter().flat_map(|color| color.to_ne_bytes()).collect();
     let mut transparent = bytes.clone();
     transparent[6] = 0;
-    writer.publish(1, 1000, |pictures| {
+    writer.publish(Stamp { index: 1, time: 1000, rig: 7 }, |pictures| {
         (0..).zip(transparent.chunks_exact(24)).for_each(|(y, row)| pictures.row(0, y, row));
     });
     assert_eq!(reader.next(SOON, &mut frame).expect("whole"), Next::Frame);
@@ -322,4 +327,13 @@ fn frames_are_awaited_while_a_living_reader_has_read_all() {
     (3..8).for_each(|index| publish(&mut writer, index));
     assert!(!writer.is_awaited());
     writer.end();
+}
+
+/// Values of the algorithm's authors (Fowler, Noll and Vo).
+#[test]
+fn the_checksum_of_a_text_is_fnv_1a() {
+    assert_eq!(text_sum(b""), 0xCBF2_9CE4_8422_2325);
+    assert_eq!(text_sum(b"a"), 0xAF63_DC4C_8601_EC8C);
+    assert_eq!(text_sum(b"foobar"), 0x8594_4171_F739_67E8);
+    assert_ne!(text_sum(b"yaw = 1"), text_sum(b"yaw = 2"));
 }

@@ -1,7 +1,7 @@
 //! The program's side.
 
 use super::layout::{
-    self, ENDED, EXPECTED, FREE, Format, OPEN, READERS, REPLACED, ReaderWords, header, picture, set, slot, value,
+    self, ENDED, EXPECTED, FREE, Format, OPEN, READERS, REPLACED, ReaderWords, Stamp, header, picture, set, slot, value,
 };
 use crate::error::{Error, ErrorKind, Result};
 use crate::system::SharedMemory;
@@ -193,9 +193,8 @@ impl Writer {
         Ok(())
     }
 
-    /// Publishes a frame with the program's number `index` and its time on the monotonic clock in
-    /// nanoseconds; `fill` writes its pictures. Allocates nothing.
-    pub fn publish(&mut self, index: u64, time: u64, fill: impl FnOnce(&mut Pictures<'_>)) {
+    /// Publishes a frame with these numbers; `fill` writes its pictures. Allocates nothing.
+    pub fn publish(&mut self, stamp: Stamp, fill: impl FnOnce(&mut Pictures<'_>)) {
         let (number, slot) = (self.number, self.slot(self.number));
         fence(Ordering::SeqCst);
         if let Some(oldest) = (number + 1).checked_sub(self.slots as u64) {
@@ -205,8 +204,9 @@ impl Writer {
         word(slot::SEQUENCE).store(2 * number + 1, Ordering::Relaxed);
         // The following writes are not seen before the number above.
         fence(Ordering::Release);
-        word(slot::INDEX).store(index, Ordering::Relaxed);
-        word(slot::TIME).store(time, Ordering::Relaxed);
+        word(slot::INDEX).store(stamp.index, Ordering::Relaxed);
+        word(slot::TIME).store(stamp.time, Ordering::Relaxed);
+        word(slot::RIG).store(stamp.rig, Ordering::Relaxed);
         fill(&mut Pictures { memory: &self.memory, slot, shapes: &self.shapes, pixels: &self.pixels });
         word(slot::SEQUENCE).store(2 * number + 2, Ordering::Release);
         self.number += 1;

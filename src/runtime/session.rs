@@ -1,9 +1,11 @@
 //! A rig in a window of a given size.
 //!
-//! `places` of views and outputs, `matrices` for each view, `samples` of what a program sees.
+//! `places` of views and outputs, `matrices` for each view, `samples` of what a program sees, and
+//! the `rough` correction of a rig that is being edited.
 
 mod matrices;
 mod places;
+mod rough;
 mod samples;
 
 use super::cache;

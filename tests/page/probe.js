@@ -23,6 +23,7 @@ window.probe = (() => {
   };
   Dome.prototype.paint = function () {
     paint.call(this);
+    if (probe.painted) probe.painted(this);
     if (!pending) return;
     probe.pictures.push({ ...pending, painted: performance.now() });
     pending = null;
@@ -56,6 +57,42 @@ window.probe = (() => {
     probe.waitsFor = { test: mean => brighter ? mean > threshold : mean < threshold, done };
     setTimeout(() => failed(new Error('no changed picture within 15 s')), 15000);
   });
+
+  // Stages of the next change by a slider, in milliseconds from the input event: the server's answer, the places of the
+  // light, the first picture of the changed rig, and when both are painted.
+  probe.stages = () => new Promise((done, failed) => {
+    probe.input = 0;
+    const stages = {}, since = () => Math.round(performance.now() - probe.input);
+    const limit = setTimeout(() => failed(new Error(`no changed picture within 15 s: ${JSON.stringify(stages)}`)), 15000);
+    let version = null;
+    const take0 = take;
+    take = state => { take0(state); if (probe.input && version === null && sending) { version = state.version; stages.answer = since(); } };
+    probe.painted = dome => {
+      if (version === null) return;
+      if (page.sceneVersion >= version) stages.scene ??= since();
+      if (page.pictureVersion >= version) stages.picture ??= Math.round(page.lastFrame - probe.input);
+      if (stages.scene === undefined || stages.picture === undefined) return;
+      probe.painted = null;
+      take = take0;
+      clearTimeout(limit);
+      probe.finished(dome.gl).then(() => done({ ...stages, painted: since() }));
+    };
+  });
+
+  // Waits until the browser's graphics have finished all paints.
+  probe.finished = gl => new Promise(done => {
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    const look = () => gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.SIGNALED ? done() : setTimeout(look, 1);
+    look();
+  });
+
+  // Part of a slider's width at which a click sets it to a value.
+  probe.partOf = (selector, value) => {
+    const { min, max, clientWidth } = document.querySelector(selector), thumb = 16;
+    const part = (value - min) / (max - min);
+    return (thumb / 2 + part * (clientWidth - thumb)) / clientWidth;
+  };
 
   // Part of the pixels of the painted dome that are not dark.
   probe.litPixels = () => {

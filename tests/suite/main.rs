@@ -20,6 +20,7 @@ mod controls;
 mod culling;
 mod dialects;
 mod display;
+mod edited;
 mod embedding;
 mod ending;
 mod faults;
@@ -84,6 +85,7 @@ harness::tests! {
     culling,
     dialects,
     embedding,
+    edited,
     ending,
     faults,
     hidden,

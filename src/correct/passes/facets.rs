@@ -24,13 +24,16 @@ pub struct Facets {
     /// True if the triangles fill the rectangles that they replace. Otherwise the output is made
     /// black first.
     pub fills: bool,
+    /// True if the corners are drawn at their places in the atlas of the only view of their batch, so
+    /// that the shader has no numbers of the rig.
+    pub is_rough: bool,
     /// The greatest error that was measured between corners, pixels of the output.
     pub error: f64,
 }
 
 impl Facets {
-    /// True if some weight is not 1.
+    /// True if some weight is not 1, or may not be.
     pub fn is_weighted(&self) -> bool {
-        self.corners.iter().any(|corner| corner.weight != 1.0)
+        self.is_rough || self.corners.iter().any(|corner| corner.weight != 1.0)
     }
 }

@@ -238,9 +238,14 @@ fn views(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: Option<&View>) ->
     let mut out = Shared::default();
     let base = match placements.as_slice() {
         [(index, rotation, placement)] if !batch.edge && panel.is_none() => {
+            let scaled = placement.scaled() * *rotation;
+            if batch.facets.as_ref().is_some_and(|facets| facets.is_rough) {
+                out.sole_number = number(0);
+                return Ok((moved(placement.offset) * scaled, out));
+            }
             out.sole_number = number(*index);
             out.sole_offset = single::values(placement.offset.to_array());
-            return Ok((placement.scaled() * *rotation, out));
+            return Ok((scaled, out));
         }
         [(_, rotation, placement)] => placement.transform * *rotation,
         // Base is the source's own axes. Their rotation goes into the views' matrices, which saves
@@ -258,6 +263,11 @@ fn views(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: Option<&View>) ->
     }
     set_panel(&mut out, plan, panel, back);
     Ok((base, out))
+}
+
+/// Returns the matrix that adds an offset to homogeneous coordinates.
+fn moved(offset: DVec2) -> DMat3 {
+    DMat3::from_cols(DVec3::X, DVec3::Y, offset.extend(1.0))
 }
 
 /// Returns the number of a view in the shaders: its index plus one.

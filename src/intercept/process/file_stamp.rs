@@ -1,5 +1,6 @@
-//! Stamps of files, which show whether a file has changed.
+//! Stamps of files, which show whether a file has changed, and checksums of their texts.
 
+use crate::ring::text_sum;
 use std::path::Path;
 use std::time::SystemTime;
 
@@ -16,4 +17,9 @@ impl FileStamp {
         let data = std::fs::metadata(path).ok()?;
         Some(Self { modified: data.modified().ok(), length: data.len() })
     }
+}
+
+/// Returns the checksum of a file's text; 0 if it cannot be read.
+pub fn text_sum_of(path: &Path) -> u64 {
+    std::fs::read(path).map_or(0, |text| text_sum(&text))
 }

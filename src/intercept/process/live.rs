@@ -5,12 +5,13 @@
 //! the time. Frames without a query only read the clock. If the file has a mistake, nothing
 //! changes, and the log reports the mistake once.
 
-use super::file_stamp::FileStamp;
+use super::file_stamp::{FileStamp, text_sum_of};
 use super::log;
 use super::settings::Settings;
 use crate::intercept::process::settings;
 use crate::lock::Lock;
 use crate::rig::Rig;
+use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
@@ -20,6 +21,9 @@ use std::time::{Duration, Instant};
 const INTERVAL: Duration = Duration::from_millis(10);
 /// Least ratio of the pause after a check of the file to the time of the check.
 const PAUSE: u32 = 100;
+
+/// Number of versions whose checksums are known: a window shows one of the last ones.
+const SUMS: usize = 32;
 
 /// The current rig.
 #[derive(Clone)]
@@ -32,6 +36,8 @@ pub struct Live {
 
 struct Watch {
     live: Live,
+    /// Checksums of the texts of the last versions, newest first, with their versions.
+    sums: VecDeque<(u64, u64)>,
     looked: Instant,
     /// Time from the last check to the next.
     pause: Duration,
@@ -44,7 +50,8 @@ fn watch(settings: &Settings) -> &'static Mutex<Watch> {
     static WATCH: OnceLock<Mutex<Watch>> = OnceLock::new();
     WATCH.get_or_init(|| {
         let live = Live { rig: Arc::new(settings.rig.clone()), version: 0 };
-        Mutex::new(Watch { live, looked: Instant::now(), pause: INTERVAL, seen: settings.rig_stamp })
+        let sums = VecDeque::from([(0, settings.rig_sum)]);
+        Mutex::new(Watch { live, sums, looked: Instant::now(), pause: INTERVAL, seen: settings.rig_stamp })
     })
 }
 
@@ -57,6 +64,14 @@ pub fn rig() -> Option<Live> {
 /// Returns the rig's version at the last check of its file. May be called anywhere, at any time.
 pub fn known_version() -> u64 {
     VERSION.load(Ordering::Acquire)
+}
+
+/// Returns the checksum of the text of a version of the rig's file, for readers of published
+/// frames; 0: not known.
+pub fn text_sum(version: u64) -> u64 {
+    let Some(settings) = settings::settings() else { return 0 };
+    let watch = watch(settings).locked();
+    watch.sums.iter().find(|(known, _)| *known == version).map_or(0, |(_, sum)| *sum)
 }
 
 /// Returns the rig's version, after a check of its file if the last check is long enough ago.
@@ -73,6 +88,15 @@ pub fn version() -> u64 {
     known_version()
 }
 
+impl Watch {
+    /// Notes that the present version has a text with this checksum.
+    fn note_text(&mut self, sum: u64) {
+        self.sums.retain(|(version, _)| *version != self.live.version);
+        self.sums.push_front((self.live.version, sum));
+        self.sums.truncate(SUMS);
+    }
+}
+
 fn look(watch: &mut Watch, settings: &Settings, path: &Path) {
     watch.looked = Instant::now();
     let found = FileStamp::of(path);
@@ -82,17 +106,20 @@ fn look(watch: &mut Watch, settings: &Settings, path: &Path) {
         return;
     }
     watch.seen = found;
+    // The text is read before the rig: a rig never has the checksum of a later text.
+    let sum = text_sum_of(path);
     match settings.load() {
         Ok(rig) if rig.passthrough != watch.live.rig.passthrough => {
             log::once("the new `passthrough` of the rig takes effect at the next start of the program");
         }
-        Ok(rig) if rig == *watch.live.rig => {}
+        Ok(rig) if rig == *watch.live.rig => watch.note_text(sum),
         Ok(mut rig) => {
             if rig.views.duplicate != watch.live.rig.views.duplicate {
                 log::once("the new `views.duplicate` of the rig takes effect at the next start of the program");
                 rig.views.duplicate = watch.live.rig.views.duplicate;
             }
             watch.live = Live { rig: Arc::new(rig), version: watch.live.version + 1 };
+            watch.note_text(sum);
             VERSION.store(watch.live.version, Ordering::Release);
             log::once(&format!("the rig's file has changed, and windows follow it ({})", watch.live.version));
         }

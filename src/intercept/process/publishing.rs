@@ -4,9 +4,9 @@
 //! Only one window is published: the first one. Another window replaces it after a while in which
 //! only that other window was presented.
 
-use super::{clock, log, settings};
+use super::{clock, live, log, settings};
 use crate::lock::Lock;
-use crate::ring::{Pictures, Shape, Writer};
+use crate::ring::{Pictures, Shape, Stamp, Writer};
 use crate::runtime::run_results::Published;
 use std::sync::{Mutex, Once};
 
@@ -60,20 +60,10 @@ static PUBLISHING: Mutex<Publishing> = Mutex::new(Publishing {
     pace: Pace { last: None },
 });
 
-/// Index and time of a frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Stamp {
-    /// Index of the frame in its window, from 1.
-    pub index: u64,
-    /// The program's monotonic clock, in nanoseconds.
-    pub time: u64,
-}
-
-impl Stamp {
-    /// Returns the stamp of the frame that is presented now.
-    pub fn now(index: u64) -> Self {
-        Self { index, time: clock::time().unwrap_or_else(crate::system::monotonic) }
-    }
+/// Returns the numbers of the frame that is presented now. `version`: that of the rig that it
+/// shows.
+pub fn stamp(index: u64, version: u64) -> Stamp {
+    Stamp { index, time: clock::time().unwrap_or_else(crate::system::monotonic), rig: live::text_sum(version) }
 }
 
 /// True if this frame of a window is published. `version`: that of the rig that the frame shows.
@@ -122,7 +112,7 @@ pub fn publish(shapes: &[Shape], stamp: Stamp, fill: impl FnOnce(&mut Pictures<'
         publishing.end();
     }
     if let Some(writer) = &mut publishing.writer {
-        writer.publish(stamp.index, stamp.time, fill);
+        writer.publish(stamp, fill);
     }
 }
 

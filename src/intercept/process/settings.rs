@@ -1,6 +1,6 @@
 //! Settings of the injected library, from the environment.
 
-use super::file_stamp::FileStamp;
+use super::file_stamp::{FileStamp, text_sum_of};
 use super::log;
 use crate::error::{Error, ErrorKind};
 use crate::rig::{self, Chosen, Defaults, Duplicate, Overrides, Place, Profiles, Rig};
@@ -21,6 +21,8 @@ pub struct Settings {
     pub rig_file: Option<PathBuf>,
     /// Stamp of that file before it was read.
     pub rig_stamp: Option<FileStamp>,
+    /// Checksum of its text; 0: there is no file.
+    pub rig_sum: u64,
     /// `CUPOLA_CAMERA`, `CUPOLA_VIEWER`, `CUPOLA_CONTENT`, `CUPOLA_METHOD`.
     overrides: Overrides,
     /// `CUPOLA_DUPLICATE`.
@@ -118,6 +120,7 @@ fn read() -> crate::Result<Settings> {
     let is_preset = rig::presets().iter().any(|preset| preset.name == name);
     let rig_file = (!is_preset).then(|| std::path::absolute(&name).ok()).flatten();
     let rig_stamp = rig_file.as_deref().and_then(FileStamp::of);
+    let rig_sum = rig_file.as_deref().map_or(0, text_sum_of);
     let overrides = Overrides {
         camera: text("CUPOLA_CAMERA"),
         viewer: text("CUPOLA_VIEWER"),
@@ -145,6 +148,7 @@ fn read() -> crate::Result<Settings> {
         profile,
         rig_file,
         rig_stamp,
+        rig_sum,
         overrides,
         duplicate,
         window_size: parsed("CUPOLA_SIZE", "1024x768", parse_size)?,

@@ -28,7 +28,7 @@ use crate::correct::Footprints;
 use crate::correct::shaders::glsl::{Specialised, Stage};
 use crate::error::{Error, ErrorKind, Result};
 use std::cell::Cell;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::mem::take;
 
 /// Objects and draws of one output.
@@ -73,6 +73,8 @@ pub struct GlBackend {
     outputs: Vec<Output>,
     /// Programs that the next plan needs and that do not exist yet.
     ahead: Vec<Specialised>,
+    /// Programs of the last rough correction, which are kept for the next one.
+    kept: HashSet<Specialised>,
     full_clear: Option<FullClear>,
     unsampled: Option<UnsampledAreas>,
     backdrop: Option<Backdrop>,
@@ -111,6 +113,7 @@ impl GlBackend {
             names: Names::default(),
             outputs: Vec::new(),
             ahead: Vec::new(),
+            kept: HashSet::new(),
             full_clear: None,
             unsampled: None,
             backdrop: None,
@@ -134,6 +137,7 @@ impl GlBackend {
     /// [`GlBackend::prepare`] links only those that are new. The other one has none afterwards.
     pub fn inherit(&mut self, other: &mut Self) {
         self.names.programs.extend(other.names.programs.drain());
+        self.kept = take(&mut other.kept);
     }
 
     /// Returns the number of errors that Cupola's calls have caused. The program sees none of them.

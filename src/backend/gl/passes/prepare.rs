@@ -17,7 +17,7 @@ use crate::correct::shaders::glsl::{Language, Specialised, specialise};
 use crate::correct::{Plan, Source, Tile};
 use crate::error::{Error, ErrorKind, Result};
 use std::collections::HashMap;
-use std::mem::take;
+use std::mem::{replace, take};
 
 fn fill<T: Copy>(gl: &Gl, buffer: u32, values: &[T]) {
     // SAFETY: a context is current and gave the name; `size` is that of the array. A buffer has no
@@ -40,6 +40,21 @@ impl GlBackend {
     /// [`ErrorKind::Internal`] where the plan exceeds the limits of the shaders.
     pub fn prepare(&mut self, gl: &Gl, plan: &Plan, panel: bool) -> Result<()> {
         self.prepare_passes(gl, plan, &plan.passes, panel)
+    }
+
+    /// As [`GlBackend::prepare`] for a [rough correction](crate::correct::rough), after which the
+    /// former correction or another one is prepared: all programs stay, and those of the rough
+    /// correction also after the next `prepare`.
+    ///
+    /// # Errors
+    /// As for [`GlBackend::prepare`].
+    pub fn prepare_rough(&mut self, gl: &Gl, plan: &Plan, panel: bool) -> Result<()> {
+        let list = draws::draws(plan, &plan.passes, panel, Rows::FromBottom)?;
+        let rough = list.outputs.iter().flatten().map(|draw| self.text(&draw.constants)).collect();
+        let before = replace(&mut self.kept, self.names.programs.keys().cloned().collect());
+        let prepared = self.prepare(gl, plan, panel);
+        self.kept = if prepared.is_ok() { rough } else { before };
+        prepared
     }
 
     /// As [`GlBackend::prepare`] for some of the plan's outputs.
@@ -94,7 +109,11 @@ impl GlBackend {
         // since the former correction stays in use.
         match result {
             Ok((outputs, list)) => {
-                for program in old.into_values() {
+                for (text, program) in old {
+                    if self.kept.contains(&text) {
+                        self.names.programs.insert(text, program);
+                        continue;
+                    }
                     // SAFETY: a context is current; the name is one that it gave.
                     unsafe { gl.delete_program(program) };
                 }

@@ -65,7 +65,7 @@ pub const ORDERS: [Order; 5] = [
     },
     Order {
         folder: "src/correct",
-        rooms: &["shaders", "plan", "sources", "passes", "projected"],
+        rooms: &["rough", "shaders", "plan", "sources", "passes", "projected"],
         most_against: 0,
         largest_circle: 0,
     },

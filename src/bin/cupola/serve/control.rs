@@ -2,7 +2,7 @@
 
 use super::marks::{Marks, NewMark};
 use super::pattern::{self, Choice};
-use super::picture::{Pictures, Seen};
+use super::picture::{Pictures, Seen, Versions};
 use super::program::{self, Launch, Program};
 use super::scene::Scene;
 use super::working::{Working, keys};
@@ -118,6 +118,7 @@ pub struct Server {
     /// Pictures of the program.
     pub pictures: Mutex<Pictures>,
     seen: Arc<Mutex<Seen>>,
+    versions: Arc<Mutex<Versions>>,
     launch: Launch,
     programs: Vec<(String, Vec<OsString>)>,
     rigs: Vec<String>,
@@ -143,10 +144,13 @@ impl Server {
         let places = (0, working.rig().clone());
         let desk = Desk { working, pattern: Choice::default(), marks, patterns: 0, before: 0, scene: None, places };
         let pictures = Pictures::new(&launch.ring);
+        let versions = pictures.versions();
+        versions.locked().note(desk.working.sum(), desk.version());
         Ok(Self {
             desk: Mutex::new(desk),
             program,
             seen: pictures.seen(),
+            versions,
             pictures: Mutex::new(pictures),
             launch,
             programs,
@@ -283,16 +287,16 @@ impl Server {
 
     /// Current scene, with its number.
     pub fn scene(&self) -> (u64, Arc<Scene>) {
-        let (version, rig) = {
+        let (version, rig, before) = {
             let desk = self.desk();
             let version = desk.version();
             if let Some((_, scene)) = desk.scene.as_ref().filter(|(made, _)| *made == version) {
                 return (version, scene.clone());
             }
-            (version, desk.working.rig().clone())
+            (version, desk.working.rig().clone(), desk.scene.as_ref().map(|(_, scene)| scene.clone()))
         };
         // Changes do not wait for the computation.
-        let scene = Arc::new(Scene::new(&rig, self.sizes(&rig)));
+        let scene = Arc::new(Scene::new(&rig, self.sizes(&rig), before.as_deref()));
         let mut desk = self.desk();
         if desk.version() == version {
             desk.scene = Some((version, scene.clone()));
@@ -301,6 +305,7 @@ impl Server {
     }
 
     fn state(&self, desk: &mut Desk) -> Value {
+        self.versions.locked().note(desk.working.sum(), desk.version());
         let places = desk.places();
         let working = &desk.working;
         let (undo, redo) = working.steps();

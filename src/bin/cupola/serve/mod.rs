@@ -247,12 +247,14 @@ fn answer(server: &Server, request: &Request) -> Answer {
                 Some(small) => Answer::new(200, "image/jpeg", small.jpeg.clone())
                     .with("X-Cupola-Frame", small.number.to_string())
                     .with("X-Cupola-Index", small.index.to_string())
+                    .with("X-Cupola-Version", small.version.map_or(String::new(), |version| version.to_string()))
                     .with("X-Cupola-Places", small.layout()),
             }
         }
         (false, "/scene") => {
             let (version, scene) = server.scene();
-            Answer::json(200, &json!({ "version": version, "scene": scene.json() }))
+            let known = request.value("have").unwrap_or_default().split(',').filter_map(|id| id.parse().ok());
+            Answer::new(200, "application/octet-stream", scene.bytes(version, &known.collect::<Vec<u64>>()))
         }
         (false, "/overlay") => {
             let Some(overlay) = request.value("kind").and_then(Overlay::named) else {

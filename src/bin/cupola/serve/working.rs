@@ -5,6 +5,7 @@
 
 use crate::tune;
 use cupola::rig::{self, Rig};
+use cupola::ring;
 use serde_json::Value as Json;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -32,6 +33,8 @@ pub struct Working {
     /// Changes only for the working file, which replace keys of the text: a pattern.
     shown_instead: Vec<String>,
     working_file: PathBuf,
+    /// Checksum of the working file's text, by which the program's frames name it.
+    sum: u64,
     version: u64,
 }
 
@@ -54,7 +57,7 @@ impl Working {
         };
         let folder = file.as_deref().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
         let rig = rig::parse(&text, name, &folder).map_err(|error| error.message)?;
-        let working = Self {
+        let mut working = Self {
             name: name.to_owned(),
             file,
             folder,
@@ -65,6 +68,7 @@ impl Working {
             rig,
             shown_instead: Vec::new(),
             working_file: working_file.to_owned(),
+            sum: 0,
             version: 0,
         };
         working.write()?;
@@ -84,6 +88,11 @@ impl Working {
     /// Text of the rig.
     pub fn text(&self) -> &str {
         &self.steps[self.current]
+    }
+
+    /// Checksum of the text that the program follows.
+    pub fn sum(&self) -> u64 {
+        self.sum
     }
 
     /// Number that grows with each change.
@@ -200,12 +209,14 @@ impl Working {
         Ok(rig)
     }
 
-    fn write(&self) -> Result<(), String> {
-        self.write_text(self.text())
+    fn write(&mut self) -> Result<(), String> {
+        let text = self.text().to_owned();
+        self.write_text(&text)
     }
 
-    /// Writes the working file.
-    fn write_text(&self, text: &str) -> Result<(), String> {
+    /// Writes the working file. Each text has a number of its own, so that the program's frames tell
+    /// apart the same rig before and after an undone change.
+    fn write_text(&mut self, text: &str) -> Result<(), String> {
         let mut document: DocumentMut = text.parse().map_err(|error| format!("{}: {error}", self.name))?;
         if document.get("name").is_none() {
             document.insert("name", Item::Value(Value::from(self.rig.name.as_str())));
@@ -216,7 +227,11 @@ impl Working {
         if !self.shown_instead.is_empty() {
             rig::parse(&text, &self.name, &self.folder).map_err(|error| error.message)?;
         }
-        write_quickly(&self.working_file, &text).map_err(|error| format!("{}: {error}", self.working_file.display()))
+        let text = format!("{}\n# change {}\n", text.trim_end(), self.version + 1);
+        write_quickly(&self.working_file, &text)
+            .map_err(|error| format!("{}: {error}", self.working_file.display()))?;
+        self.sum = ring::text_sum(text.as_bytes());
+        Ok(())
     }
 }
 

@@ -6,15 +6,19 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::context::read_pixels::while_reading;
 use crate::intercept::gl::state::frame::publishing::Publishing;
-use crate::intercept::process::publishing::{self, Stamp};
+use crate::intercept::process::publishing;
 use crate::intercept::process::{log, settings};
 use crate::ring::Format;
 use std::sync::Arc;
 
 /// Returns true if frames of the context's window are published.
 pub fn wants(ctx: &Context) -> bool {
-    let version = ctx.drawable.target().map_or(0, |target| target.version);
-    ctx.drawable.window().is_some_and(|window| publishing::wants(window.handle() as u64, version))
+    ctx.drawable.window().is_some_and(|window| publishing::wants(window.handle() as u64, shown_version(ctx)))
+}
+
+/// Returns the version of the rig that the context's window shows.
+fn shown_version(ctx: &Context) -> u64 {
+    ctx.drawable.target().map_or(0, |target| target.version)
 }
 
 /// Publishes the frame that was just corrected: starts reading its pictures, and publishes the
@@ -34,8 +38,12 @@ pub fn frame(ctx: &mut Context, number: u64) {
             ctx.driver.note_error(pending);
         }
     }
-    while_reading(gl, 0, || publishing.read(gl, Stamp::now(number)));
-    if publishing::waits() {
+    let version = shown_version(ctx);
+    let stamp = publishing::stamp(number, version);
+    while_reading(gl, 0, || publishing.read(gl, stamp));
+    // Somebody waits for the first picture of a changed rig: it does not wait for the next frame.
+    let is_awaited = publishing.version.replace(version).is_some_and(|before| before != version);
+    if publishing::waits() || is_awaited {
         publishing.publish(gl, true);
     }
     ctx.frame.put_publishing(publishing);

@@ -1,7 +1,7 @@
 //! Finished pictures for other processes: which pictures of a frame are read, and when.
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::intercept::process::publishing::{self, Stamp};
+use crate::intercept::process::publishing;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::Queue;
 use crate::intercept::vk::state::swapchains::Swapchain;
@@ -48,8 +48,10 @@ pub unsafe fn frame(
     let Some(publishing) = &mut managed.publishing else { return Ok(None) };
     publishing.publish(&device.driver, false);
     let beside = managed.stand_in.as_ref().map_or(&[][..], |stand_in| &stand_in.beside_images);
+    let version = managed.stand_in.as_ref().map_or(0, |stand_in| stand_in.layout.version);
+    let stamp = publishing::stamp(number, version);
     // SAFETY: as promised.
-    let copied = unsafe { publishing.read(&device.driver, queue, (index, image, beside), waits, Stamp::now(number)) };
+    let copied = unsafe { publishing.read(&device.driver, queue, (index, image, beside), waits, stamp) };
     let copied = copied.map_err(refused)?;
     if publishing::waits() {
         publishing.publish(&device.driver, true);

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::node::pictures::{Head, PictureLink};
-use cupola::ring::{Format, Picture, Shape, Writer};
+use cupola::ring::{Format, Picture, Shape, Stamp, Writer};
 use cupola::system;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -82,7 +82,7 @@ impl Screen {
             None => self.writer = Some(Writer::create(&self.path, &shapes, SLOTS, false)?),
         }
         if let Some(writer) = &mut self.writer {
-            writer.publish(frame, system::monotonic(), |pictures| {
+            writer.publish(Stamp { index: frame, time: system::monotonic(), rig: 0 }, |pictures| {
                 for (number, picture) in self.newest.iter().enumerate() {
                     let row = (picture.size.0 as usize * 4).max(1);
                     for (y, row) in (0..).zip(picture.rgba.chunks_exact(row)) {

@@ -10,7 +10,7 @@ void main() { at = point; place = uv; shown = value; gl_Position = camera * vec4
 const FRAGMENT = `#version 300 es
 precision highp float;
 uniform sampler2D frame; uniform vec4 rect; uniform float texel;
-uniform int mode; uniform vec3 eye, viewer; uniform vec2 range; uniform float tilt, seen;
+const int mode = MODE; uniform vec3 eye, viewer; uniform vec2 range; uniform float tilt, seen;
 in vec3 at; in vec2 place; in float shown;
 out vec4 color;
 vec3 ramp(float t) {
@@ -74,6 +74,8 @@ class Dome {
     this.frusta = this.lines = true;
     this.selected = null;
     this.rects = {};
+    // True if moving pictures have fewer triangles.
+    this.coarse = false;
     // Part of the width that is painted, times of the paints since it was chosen, and the picture to paint.
     [this.share, this.paints, this.came, this.told] = [1, [], null, []];
     this.start();
@@ -94,7 +96,7 @@ class Dome {
         if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) throw new Error(gl.getShaderInfoLog(shader));
         gl.attachShader(made, shader);
       }
-      gl.bindAttribLocation(made, 0, 'point');
+      ['point', 'uv', 'value'].forEach((name, place) => gl.bindAttribLocation(made, place, name));
       gl.linkProgram(made);
       const at = {};
       for (let i = 0; i < (gl.getProgramParameter(made, gl.ACTIVE_UNIFORMS) || 0); i++) {
@@ -103,7 +105,9 @@ class Dome {
       }
       return { made, at };
     };
-    this.meshes = program(VERTEX, FRAGMENT);
+    // A program for each mode: some drivers compute all branches of a shader.
+    const meshes = [];
+    this.meshesOf = mode => meshes[mode] ||= program(VERTEX, FRAGMENT.replace('MODE', mode));
     this.strokes = program(FLAT, PLAIN);
     this.show = program(WHOLE, SHOW);
     this.frame = gl.createTexture();
@@ -136,29 +140,35 @@ class Dome {
   setScene(data) {
     const gl = this.gl;
     this.data = data;
-    for (const old of this.outputs) { gl.deleteVertexArray(old.array); old.buffers.forEach(b => gl.deleteBuffer(b)); }
+    const kept = new Map(this.outputs.map(old => [old.mesh, old]));
     this.outputs = data.outputs.map(output => {
+      const same = kept.get(output.mesh);
+      if (same) { kept.delete(output.mesh); return { ...same, name: output.name }; }
       const array = gl.createVertexArray(), buffers = [];
       gl.bindVertexArray(array);
-      const give = (name, size, values) => {
-        const buffer = gl.createBuffer(), at = gl.getAttribLocation(this.meshes.made, name);
+      const give = (at, size, values) => {
+        const buffer = gl.createBuffer();
         buffers.push(buffer);
         gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-        gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(values), gl.STATIC_DRAW);
-        if (at >= 0) { gl.enableVertexAttribArray(at); gl.vertexAttribPointer(at, size, gl.FLOAT, false, 0, 0); }
+        gl.bufferData(gl.ARRAY_BUFFER, values, gl.STATIC_DRAW);
+        gl.enableVertexAttribArray(at);
+        gl.vertexAttribPointer(at, size, gl.FLOAT, false, 0, 0);
         return buffer;
       };
-      give('point', 3, output.points);
-      give('uv', 2, output.uv);
-      const values = give('value', 1, new Float32Array(output.uv.length / 2).fill(1));
+      give(0, 3, output.points);
+      give(1, 2, output.uv);
+      const values = give(2, 1, new Float32Array(output.uv.length / 2).fill(1));
       const indices = gl.createBuffer();
       buffers.push(indices);
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, indices);
-      const triangles = new Uint32Array(output.triangles.flat());
-      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, triangles, gl.STATIC_DRAW);
+      const { triangles, coarse } = output;
+      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, triangles.byteLength + coarse.byteLength, gl.STATIC_DRAW);
+      gl.bufferSubData(gl.ELEMENT_ARRAY_BUFFER, 0, triangles);
+      gl.bufferSubData(gl.ELEMENT_ARRAY_BUFFER, triangles.byteLength, coarse);
       gl.bindVertexArray(null);
-      return { name: output.name, array, buffers, values, count: triangles.length };
+      return { name: output.name, mesh: output.mesh, array, buffers, values, count: triangles.length, coarse: coarse.length };
     });
+    for (const old of kept.values()) { gl.deleteVertexArray(old.array); old.buffers.forEach(b => gl.deleteBuffer(b)); }
     const ends = data.lines.flatMap(line => { const pairs = []; for (let i = 0; i + 5 < line.length; i += 3) pairs.push(...line.slice(i, i + 6)); return pairs; });
     gl.bindBuffer(gl.ARRAY_BUFFER, this.grid.buffer);
     gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(ends), gl.STATIC_DRAW);
@@ -255,18 +265,19 @@ class Dome {
     return new Promise(done => { this.told.push(done); setTimeout(done, 300); });
   }
 
-  // On slow graphics, moving pictures have fewer pixels. When nothing moves any more, all are painted.
+  // On slow graphics, moving pictures have fewer triangles and pixels. When nothing moves any more, all are painted.
   adapt(milliseconds) {
     clearTimeout(this.rest);
     if (!this.whole) {
       this.paints.push(milliseconds);
-      if (this.share < 1) this.rest = setTimeout(() => { this.whole = true; this.draw(); }, 400);
+      if (this.share < 1 || this.coarse) this.rest = setTimeout(() => { this.whole = true; this.draw(); }, 400);
     }
     this.whole = false;
     if (this.paints.length < 3) return;
     const median = this.paints.sort((a, b) => a - b)[1];
     this.paints = [];
-    if (median > 40) this.share = Math.max(this.share * 0.7, 0.34);
+    if (median > 40 && !this.coarse) this.coarse = true;
+    else if (median > 40) this.share = Math.max(this.share * 0.7, 0.34);
     else if (median < 14) this.share = Math.min(this.share / 0.7, 1);
   }
 
@@ -300,18 +311,20 @@ class Dome {
   }
 
   paintOutputs(camera) {
-    const gl = this.gl, { made, at } = this.meshes;
+    const gl = this.gl;
     const hasPicture = Object.keys(this.rects).length > 0;
     const overlay = this.values || this.overlay === 'error' ? this.overlay : 'picture';
     const mode = { picture: hasPicture ? 0 : 1, error: 2, coverage: 3 }[overlay] ?? 4;
+    const { made, at } = this.meshesOf(mode);
     gl.useProgram(made);
     gl.uniformMatrix4fv(at.camera, false, camera.matrix);
     gl.uniform3fv(at.eye, this.place === 'outside' && mode === 2 ? this.seatPoint() : camera.eye);
     gl.uniform3fv(at.viewer, this.data.viewer.position);
     gl.uniform2fv(at.range, this.range());
     gl.uniform1f(at.tilt, this.data.tilt * Math.PI / 180);
-    gl.uniform1i(at.mode, mode);
     gl.bindTexture(gl.TEXTURE_2D, this.frame);
+    // Moving pictures have fewer triangles where graphics are slow. Values need all vertices.
+    const isCoarse = this.coarse && !this.whole && mode < 2;
     // Light adds up; values do not.
     if (mode < 2) { gl.enable(gl.BLEND); gl.blendFunc(gl.ONE, gl.ONE); } else gl.disable(gl.BLEND);
     for (const output of this.outputs) {
@@ -322,7 +335,8 @@ class Dome {
       gl.uniform1f(at.texel, 1 / side);
       gl.uniform1f(at.seen, this.only && this.only !== output.name ? 0.15 : 1);
       gl.bindVertexArray(output.array);
-      gl.drawElements(gl.TRIANGLES, output.count, gl.UNSIGNED_INT, 0);
+      const [first, count] = isCoarse ? [output.count, output.coarse] : [0, output.count];
+      gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 4 * first);
     }
     gl.bindVertexArray(null);
   }
@@ -374,8 +388,8 @@ class Dome {
   border(output) {
     if (output.edge) return output.edge;
     const seen = new Map(), points = [];
-    for (const t of output.triangles) for (let i = 0; i < 3; i++) {
-      const a = t[i], b = t[(i + 1) % 3], key = a < b ? `${a} ${b}` : `${b} ${a}`;
+    for (let t = 0; t < output.triangles.length; t += 3) for (let i = 0; i < 3; i++) {
+      const a = output.triangles[t + i], b = output.triangles[t + (i + 1) % 3], key = a < b ? a * 65536 + b : b * 65536 + a;
       seen.set(key, seen.has(key) ? null : [a, b]);
     }
     for (const edge of seen.values()) if (edge) for (const v of edge) points.push(...output.points.slice(3 * v, 3 * v + 3));
@@ -393,7 +407,7 @@ class Dome {
     wanted.forEach((output, index) => {
       const label = this.labels.children[index] || this.labels.appendChild(document.createElement('span'));
       const at = this.project(output.origin, camera.rows);
-      label.textContent = output.name;
+      if (label.textContent !== output.name) label.textContent = output.name;
       label.className = output.name === this.selected ? 'on' : '';
       label.style.display = at ? '' : 'none';
       if (at) { label.style.left = `${at[0]}px`; label.style.top = `${at[1]}px`; }

@@ -10,7 +10,7 @@ const element = (name, properties = {}, ...inside) => {
 };
 
 // State for tests, and for people who look at it.
-const page = window.cupola = { frames: 0, state: null, keys: [], firstPicture: 0, lastFrame: 0 };
+const page = window.cupola = { frames: 0, state: null, keys: [], firstPicture: 0, lastFrame: 0, pictureVersion: null, sceneVersion: -1, edited: -1e9 };
 let dome = null;
 try { dome = new Dome($('view'), $('labels')); } catch (error) { say(error.message); }
 page.dome = dome;
@@ -51,7 +51,9 @@ function options(select, names, chosen) {
 }
 const short = name => name.length > 34 ? `…${name.slice(-33)}` : name;
 
-let version = -1, places = -1, later = 0;
+let version = -1, places = -1, later = 0, changed = () => {};
+// Waits until the server has taken a change.
+const nextChange = () => new Promise(done => { changed = done; });
 function take(state) {
   page.state = state;
   const { rig, program } = state;
@@ -74,9 +76,10 @@ function take(state) {
   if (state.places !== places) { places = state.places; fetchScene(); }
   if (state.version !== version) {
     version = state.version;
+    changed();
     // The keys are fetched with a delay while changes follow each other: the page knows its own changes.
     clearTimeout(later);
-    later = setTimeout(refresh, page.keys.length ? 250 : 0);
+    later = setTimeout(refresh, page.keys.length ? 600 : 0);
   }
 }
 
@@ -89,6 +92,7 @@ function showHealth(state) {
   $('health').innerHTML = words.join(' · ');
   $('note').textContent = $('overlay').value !== 'picture' ? '' : !program.runs ? (program.ended ? 'The program ended; see Health.' : 'No program runs: the lines are angles of the dome.')
     : Object.keys(dome ? dome.rects : page.rects || {}).length === 0 ? 'Waiting for the program’s first picture.' : '';
+  if (!$('state').classList.contains('on')) return;
   const s = state.statistics, rows = [['Rig', state.rig.name], ['Program', program.name ? `${program.name}${program.runs ? '' : ' (not running)'}` : 'none']];
   if (program.ended) rows.push(['It ended', program.ended]);
   if (milliseconds && program.runs) rows.push(['From frame to frame', `${milliseconds.toFixed(2)} ms`]);
@@ -137,6 +141,37 @@ async function refresh() {
   refreshing = false;
 }
 
+// The scene as the server sends it: JSON, points of lines, and the meshes of outputs that the page does not have.
+function unpacked(bytes, before) {
+  const length = new DataView(bytes).getUint32(0, true), known = new Map(before ? before.outputs.map(output => [output.mesh, output]) : []);
+  const answer = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length)));
+  let at = 4 + length;
+  const next = (Kind, count) => { at += 4 * count; return new Kind(bytes, at - 4 * count, count); };
+  const { scene } = answer;
+  scene.lines = scene.lines.map(count => next(Float32Array, 3 * count));
+  for (const output of scene.outputs) {
+    const [vertices, triangles, coarse] = output.counts, same = known.get(output.mesh);
+    if (same) for (const part of ['points', 'uv', 'triangles', 'coarse', 'edge']) output[part] = same[part];
+    else Object.assign(output, { points: next(Float32Array, 3 * vertices), uv: next(Float32Array, 2 * vertices), triangles: next(Uint32Array, 3 * triangles), coarse: next(Uint32Array, 3 * coarse) });
+  }
+  return answer;
+}
+
+// A changed picture belongs on the changed dome: scene and picture of a version wait for each other, but not for long.
+const arrived = { scene: -1, picture: -1 }, meeting = new Set();
+function arrives(kind, at) {
+  arrived[kind] = at ?? arrived[kind];
+  for (const look of meeting) look();
+}
+function meets(kind, at) {
+  return new Promise(done => {
+    const look = () => { if (arrived[kind] >= at) end(); }, end = () => { meeting.delete(look); clearTimeout(limit); done(); };
+    const limit = setTimeout(end, 250);
+    meeting.add(look);
+    look();
+  });
+}
+
 // Fetches the positions of the light as soon as they change, one request after the other.
 let fetching = false, fetchAgain = false;
 async function fetchScene() {
@@ -145,9 +180,12 @@ async function fetchScene() {
   do {
     fetchAgain = false;
     try {
-      const { scene } = await (await ask('/scene')).json();
+      const have = page.scene ? page.scene.outputs.map(output => output.mesh).join() : '';
+      const { scene, version: sceneVersion } = unpacked(await (await ask(`/scene?have=${have}`)).arrayBuffer(), page.scene);
       const isFirst = !page.scene;
-      page.scene = scene;
+      arrives('scene', sceneVersion);
+      if (page.pictureVersion !== null && performance.now() - page.lastFrame < 1000) await meets('picture', sceneVersion);
+      Object.assign(page, { scene, sceneVersion });
       if (dome) dome.setScene(scene);
       showOutputs();
       if (isFirst) page.keys.forEach(fillKey);
@@ -351,6 +389,7 @@ const waiting = new Map();
 let sending = false;
 function change(key, value, row, gesture) {
   waiting.set(key, { value, row, gesture });
+  page.edited = performance.now();
   if (!sending) send();
 }
 async function send() {
@@ -447,7 +486,9 @@ async function pictures() {
   for (;;) {
     try {
       if (document.hidden) { await new Promise(done => setTimeout(done, 300)); continue; }
-      const side = $('outputs').classList.contains('on') ? 1024 : (page.scene && page.scene.outputs.length > 2 ? 768 : 512);
+      // While the rig is edited, smaller pictures come sooner.
+      const isEdited = performance.now() - page.edited < 1500;
+      const side = $('outputs').classList.contains('on') ? 1024 : page.scene && page.scene.outputs.length > 2 && !isEdited ? 768 : isEdited ? 384 : 512;
       const answer = await ask(`/frame?after=${after}&side=${page.side || side}`);
       if (answer.status === 204) {
         if (!page.state || !page.state.program.runs) { page.rects = {}; if (dome && Object.keys(dome.rects).length) { dome.rects = {}; dome.draw(); } }
@@ -458,14 +499,21 @@ async function pictures() {
         const cut = place.lastIndexOf(':');
         return [place.slice(0, cut), place.slice(cut + 1).split(',').map(Number)];
       }));
+      const shown = answer.headers.get('X-Cupola-Version'), pictureVersion = shown ? Number(shown) : null;
+      // For a moment after a change, a picture that shows nothing new would only delay the one that does.
+      const awaits = sending || page.state && page.state.version > pictureVersion;
+      if (awaits && pictureVersion !== null && pictureVersion === page.pictureVersion && performance.now() - page.edited < 200) continue;
       const bitmap = await createImageBitmap(await answer.blob());
+      arrives('picture', pictureVersion);
+      if (pictureVersion !== null && page.scene) await meets('scene', Math.min(pictureVersion, page.state.places));
       if (page.bitmap) page.bitmap.close();
-      Object.assign(page, { bitmap, rects, frames: page.frames + 1, lastFrame: performance.now() });
+      Object.assign(page, { bitmap, rects, frames: page.frames + 1, lastFrame: performance.now(), pictureVersion });
       page.firstPicture ||= performance.now();
       if (dome) dome.setFrame(bitmap, rects);
       drawOutputs();
       // The next picture is requested when this one is painted: a slow browser gets fewer pictures, but new ones.
-      if (dome) await dome.isPainted();
+      // After a change it does not wait.
+      if (dome) await Promise.race([dome.isPainted(), nextChange()]);
     } catch (error) { await new Promise(done => setTimeout(done, 500)); }
   }
 }
@@ -502,6 +550,7 @@ for (const button of document.querySelectorAll('nav button')) {
     choose(document.querySelectorAll('nav button'), button);
     for (const tab of document.querySelectorAll('.tab')) tab.classList.toggle('on', tab.id === button.dataset.tab);
     drawOutputs();
+    if (page.state) showHealth(page.state);
   };
 }
 if (dome) {

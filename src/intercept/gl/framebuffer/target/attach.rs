@@ -78,20 +78,24 @@ fn start_again(ctx: &mut Context) {
     }
 }
 
-/// Uses the present content of the rig file. Must be called between frames. The new rig is planned
-/// in one frame, and its shaders are made in the following ones, so that the program goes on
-/// meanwhile with the old rig. A rig that was begun is finished before a newer one. If the rig
-/// cannot be planned, or its images cannot be made, nothing changes.
+/// Uses the present content of the rig file. Must be called between frames. If somebody watches, the
+/// new rig is shown by a rough correction until it rests. It is planned in one frame, and its
+/// shaders are made in the following ones, so that the program goes on meanwhile. A rig that was
+/// begun is finished before a newer one, unless that is shown roughly. If the rig cannot be planned,
+/// or its images cannot be made, the last one that could stays.
 pub fn follow_rig(ctx: &mut Context) {
     let version = live::version();
-    if ctx.drawable.target().is_none_or(|target| target.version == version && target.next.is_none()) {
+    let is_settled =
+        |target: &DefaultFramebuffer| target.version == version && target.next.is_none() && !target.has_rested();
+    if ctx.drawable.target().is_none_or(is_settled) {
         return;
     }
     let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
     let (Some(settings), Some(window)) = (settings::settings(), ctx.drawable.window().cloned()) else { return };
     let Some(mut old) = ctx.drawable.take_target() else { return };
     ctx.driver.take_errors();
-    if old.next.is_none() && live::rig().is_some_and(|live| follows_camera(&mut ctx.frame, &mut old, live)) {
+    let is_new = old.version != version;
+    if is_new && old.next.is_none() && live::rig().is_some_and(|live| follows_camera(&mut ctx.frame, &mut old, live)) {
         view_copies::clear(ctx);
         ctx.drawable.put_target(old);
         start_again(ctx);
@@ -99,6 +103,12 @@ pub fn follow_rig(ctx: &mut Context) {
         return;
     }
     let linked = old.backend.linked();
+    if is_new && live::rig().is_some_and(|live| old.show_roughly(ctx.driver.gl, &live)) {
+        ctx.frame.note_linked(old.backend.linked() - linked);
+        ctx.drawable.put_target(old);
+        take_own_errors(&mut ctx.driver);
+        return;
+    }
     // If the new rig fails, a newer one is still tried.
     let tried = old.next.as_ref().map_or(version, |(_, live)| live.version);
     let planned = match (live::rig(), &old.next) {
@@ -120,6 +130,9 @@ pub fn follow_rig(ctx: &mut Context) {
         Err(error) => {
             log::once(&format!("the rig stays as it was: {error}"));
             (old.version, old.next) = (tried, None);
+            if let Err(error) = old.leave_roughly_shown(ctx.driver.gl) {
+                log::once(&format!("the correction of the earlier rig cannot be made again: {error}"));
+            }
             ctx.drawable.put_target(old);
         }
     }

@@ -166,6 +166,7 @@ impl DefaultFramebuffer {
             rig,
             version,
             next: None,
+            rough: None,
             lenses,
             config,
             surface: drawn,
@@ -187,6 +188,8 @@ impl DefaultFramebuffer {
         let mut new = Self::with_session(&ctx.driver, self.session.with(extras)?, self.config, live, None)?;
         new.issued.clone_from(&self.issued);
         new.culled.clone_from(&self.culled);
+        // The session is that of the earlier rig.
+        new.rough = self.rough;
         Ok(new)
     }
 }

@@ -14,6 +14,7 @@ use crate::rig::Rig;
 use crate::runtime::session::{Extras, Session};
 use std::cell::Cell;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// A rectangle that is ready to be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +34,9 @@ pub struct DefaultFramebuffer {
     pub(in crate::intercept::gl) version: u64,
     /// The rig that follows, and its plan, while its shaders are being made.
     pub(in crate::intercept::gl) next: Option<(Session, Live)>,
+    /// Time since which a rough correction shows `rig` over the views of `session`, which is that
+    /// of an earlier rig. `None`: the session's own correction is in use.
+    pub(in crate::intercept::gl) rough: Option<Instant>,
     pub(in crate::intercept::gl) config: Config,
     pub(in crate::intercept::gl) surface: Surface,
     /// Picture of the surface with one sample per pixel, if the surface has several.

@@ -5,8 +5,8 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
 use crate::backend::gl::{OwnFramebuffer, Target};
 use crate::correct::LowerLeftRect;
-use crate::intercept::process::publishing::{self, Stamp};
-use crate::ring::{Format, Pictures, Shape};
+use crate::intercept::process::publishing;
+use crate::ring::{Format, Pictures, Shape, Stamp};
 use crate::runtime::session::Session;
 use std::ffi::c_void;
 use std::sync::Arc;
@@ -32,6 +32,8 @@ pub struct Publishing {
     pub(in crate::intercept::gl) session: Option<Arc<Session>>,
     /// Size of the window.
     pub(in crate::intercept::gl) window: (u32, u32),
+    /// Version of the rig of the last frame that was read.
+    pub(in crate::intercept::gl) version: Option<u64>,
     shapes: Vec<Shape>,
     /// Framebuffer and rectangle from which each picture is read.
     places: Vec<Target>,
@@ -67,6 +69,7 @@ impl Publishing {
         let mut new = Self {
             session,
             window,
+            version: None,
             shapes: Vec::new(),
             places: Vec::new(),
             targets: Vec::new(),

@@ -1,12 +1,12 @@
 //! Read-back of the published pictures of a window.
 
-use crate::intercept::process::publishing::{self, Stamp};
+use crate::intercept::process::publishing;
 use crate::intercept::vk::state::driver::Driver;
 use crate::intercept::vk::state::driver::Queue;
 use crate::intercept::vk::state::driver::own_image::{COLOR_LAYER, COPIED_FROM, PRESENTED, barrier};
 use crate::intercept::vk::state::swapchains::formats::TexelFormat;
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
-use crate::ring::{Format, Pictures, Shape};
+use crate::ring::{Format, Pictures, Shape, Stamp};
 use ash::prelude::VkResult;
 use ash::vk;
 use std::sync::Arc;

@@ -1,21 +1,15 @@
 //! Objects that the page draws in three dimensions: the screen, and each output as a mesh on it.
 
+mod mesh;
+
 use cupola::blend::Weights;
-use cupola::rig::{OutputKind, Rig};
+use cupola::rig::{Output, OutputKind, Rig};
 use cupola::views::{self, Surveyor};
 use cupola::warp::WarpMap;
 use glam::{DMat3, DVec2, DVec3};
+use mesh::{Mesh, Vertex};
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
-
-/// Distance at which flat windows are shown, as a part of the dome's radius.
-const WINDOW_AT: f64 = 0.7;
-/// Number of halvings between a lit point and an unlit one.
-const HALVINGS: usize = 12;
-/// Columns and rows of an output's mesh.
-const GRID: (usize, usize) = (48, 30);
-/// Columns and rows of a mesh around a circle.
-const CIRCLE: (usize, usize) = (72, 24);
+use std::sync::Arc;
 
 /// Kinds of values that are shown over the outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,60 +37,92 @@ impl Overlay {
     }
 }
 
-/// A vertex: a pixel position, and the point that it lights.
-#[derive(Clone, Copy)]
-struct Vertex {
-    pixel: DVec2,
-    point: Option<DVec3>,
-}
-
-/// An output on the screen.
-struct Mesh {
-    vertices: Vec<Vertex>,
-    triangles: Vec<[usize; 3]>,
-}
-
 /// A rig with its exact maps and meshes.
 pub struct Scene {
     rig: Rig,
     sizes: Vec<(u32, u32)>,
-    maps: Vec<Option<WarpMap>>,
-    meshes: Vec<Mesh>,
+    maps: Vec<Arc<Option<WarpMap>>>,
+    meshes: Vec<Arc<Mesh>>,
 }
 
 impl Scene {
-    /// Makes the scene of a rig whose outputs have these sizes in pixels.
-    pub fn new(rig: &Rig, sizes: Vec<(u32, u32)>) -> Self {
-        // The map of an output with the program's own lens is not known here.
-        let maps: Vec<_> =
-            sizes.iter().enumerate().map(|(index, size)| WarpMap::new(rig, index, *size, None).ok()).collect();
-        let meshes = maps.iter().map(|map| map.as_ref().map_or(Mesh::empty(), |map| Mesh::new(rig, map))).collect();
+    /// Makes the scene of a rig whose outputs have these sizes in pixels. Outputs that are the same
+    /// as in the scene `before` are taken from it.
+    pub fn new(rig: &Rig, sizes: Vec<(u32, u32)>, before: Option<&Self>) -> Self {
+        let before = before.filter(|before| before.has_dome_of(rig));
+        let made = sizes.iter().enumerate().map(|(index, &size)| {
+            let known = before.filter(|before| before.has_output_of(rig, index, size));
+            if let Some(Self { maps, meshes, .. }) = known {
+                return (maps[index].clone(), meshes[index].clone());
+            }
+            // The map of an output with the program's own lens is not known here.
+            let map = WarpMap::new(rig, index, size, None).ok();
+            let mesh = map.as_ref().map_or(Mesh::empty(), |map| Mesh::new(rig, map));
+            (Arc::new(map), Arc::new(mesh))
+        });
+        let (maps, meshes) = made.unzip();
         Self { rig: rig.clone(), sizes, maps, meshes }
     }
 
-    /// Everything that does not change with the picture, as JSON.
-    pub fn json(&self) -> Value {
+    /// True if everything but outputs, on which their places depend, is as in `rig`.
+    fn has_dome_of(&self, rig: &Rig) -> bool {
+        let old = &self.rig;
+        (&old.dome, &old.screen, &old.viewer, &old.content) == (&rig.dome, &rig.screen, &rig.viewer, &rig.content)
+    }
+
+    /// True if an output of this size is as in `rig`, but for its light.
+    fn has_output_of(&self, rig: &Rig, index: usize, size: (u32, u32)) -> bool {
+        self.sizes.get(index) == Some(&size)
+            && self
+                .rig
+                .outputs
+                .get(index)
+                .zip(rig.outputs.get(index))
+                .is_some_and(|(old, new)| Output { blend: old.blend.clone(), ..new.clone() } == *old)
+    }
+
+    /// Everything that does not change with the picture, for the page: the length of a text of JSON
+    /// in four bytes, the text, filled with spaces to a multiple of four, points of the lines, and
+    /// the outputs' meshes but those with the numbers `known`. All numbers begin with the lowest
+    /// byte.
+    pub fn bytes(&self, version: u64, known: &[u64]) -> Vec<u8> {
+        let lines = lines(&self.rig);
+        let mut text = json!({ "version": version, "scene": self.json(&lines) }).to_string();
+        text.extend(std::iter::repeat_n(' ', text.len().next_multiple_of(4) - text.len()));
+        let numbers = lines.iter().flatten().flat_map(|point| point.to_array());
+        let meshes = self.meshes.iter().zip(&self.sizes).filter(|(mesh, _)| !known.contains(&mesh.id));
+        (text.len() as u32)
+            .to_le_bytes()
+            .into_iter()
+            .chain(text.into_bytes())
+            .chain(numbers.flat_map(|number| (number as f32).to_le_bytes()))
+            .chain(meshes.flat_map(|(mesh, size)| mesh.bytes(*size)))
+            .collect()
+    }
+
+    fn json(&self, lines: &[Vec<DVec3>]) -> Value {
         let (rig, viewer) = (&self.rig, self.rig.viewer_pose());
         let outputs = rig.outputs.iter().zip(&self.maps).zip(self.meshes.iter().zip(&self.sizes));
-        let outputs: Vec<Value> = outputs.map(|((output, map), (mesh, size))| {
-            json!({
-                "name": output.name,
-                "kind": kind(&output.kind),
-                "size": [size.0, size.1],
-                "projector": output.kind.is_projector(),
-                "uv": numbers(mesh.vertices.iter().flat_map(|v| [v.pixel.x / f64::from(size.0), v.pixel.y / f64::from(size.1)])),
-                "points": points(mesh.vertices.iter().map(|v| v.point)),
-                "triangles": mesh.triangles,
-                "frustum": map.as_ref().map_or(json!([]), |map| points(frustum(map).into_iter().map(Some))),
-                "origin": map.as_ref().and_then(|map| map.origin()).map(rounded),
+        let outputs: Vec<Value> = outputs
+            .map(|((output, map), (mesh, size))| {
+                json!({
+                    "name": output.name,
+                    "kind": kind(&output.kind),
+                    "size": [size.0, size.1],
+                    "projector": output.kind.is_projector(),
+                    "mesh": mesh.id,
+                    "counts": [mesh.vertices.len(), mesh.triangles.len(), mesh.coarse.len()],
+                    "frustum": (**map).as_ref().map_or(json!([]), |map| points(frustum(map).into_iter().map(Some))),
+                    "origin": (**map).as_ref().and_then(|map| map.origin()).map(rounded),
+                })
             })
-        }).collect();
+            .collect();
         json!({
             "radius": rig.dome.radius,
             "tilt": rig.dome.tilt.to_degrees(),
             "size": rig.surface().size(),
             "viewer": { "position": rounded(viewer.position), "forward": rounded(viewer.direction_to_parent(DVec3::NEG_Z)) },
-            "lines": lines(rig).into_iter().map(|line| points(line.into_iter().map(Some))).collect::<Vec<_>>(),
+            "lines": lines.iter().map(Vec::len).collect::<Vec<_>>(),
             "outputs": outputs,
         })
     }
@@ -141,12 +167,12 @@ impl Scene {
     /// Outputs that light a point, with the pixels that do.
     fn lit(&self, point: DVec3) -> impl Iterator<Item = (usize, DVec2)> {
         let maps = self.maps.iter().enumerate();
-        maps.filter_map(move |(index, map)| Some((index, map.as_ref()?.pixel(point)?)))
+        maps.filter_map(move |(index, map)| Some((index, (**map).as_ref()?.pixel(point)?)))
     }
 
     /// Pixels per degree in the direction in which there are fewest.
     fn resolution(&self, index: usize, pixel: DVec2) -> Option<f64> {
-        let map = self.maps[index].as_ref()?;
+        let map = (*self.maps[index]).as_ref()?;
         let (size, here) = (self.sizes[index], map.direction(pixel)?);
         let inwards = |at: f64, length: u32| if 2.0 * at < f64::from(length) { 1.0 } else { -1.0 };
         let steps = [DVec2::X * inwards(pixel.x, size.0), DVec2::Y * inwards(pixel.y, size.1)];
@@ -154,91 +180,6 @@ impl Scene {
         let widest = angles.fold(0.0, f64::max).to_degrees();
         (widest > 0.0).then_some(1.0 / widest)
     }
-}
-
-impl Mesh {
-    fn empty() -> Self {
-        Self { vertices: Vec::new(), triangles: Vec::new() }
-    }
-
-    fn new(rig: &Rig, map: &WarpMap) -> Self {
-        let (width, height) = (f64::from(map.size().0), f64::from(map.size().1));
-        let mut mesh = Self::empty();
-        if let Some((centre, half)) = map.circle() {
-            // A point at the rim is just inside it.
-            mesh.grid(CIRCLE, |x, y| {
-                let (sine, cosine) = (x * std::f64::consts::TAU).sin_cos();
-                centre + half * DVec2::new(cosine, sine) * (y * (1.0 - 1e-6))
-            });
-        } else {
-            // No triangle crosses a discontinuity of the map.
-            let faces = map.cubemap_faces();
-            let inset = if faces > 1 { 1e-4 } else { 0.0 };
-            for face in 0..faces {
-                let (from, part) = (f64::from(face) / f64::from(faces), 1.0 / f64::from(faces));
-                mesh.grid((GRID.0 / faces as usize, GRID.1), |x, y| {
-                    DVec2::new((from + part * (inset + x * (1.0 - 2.0 * inset))) * width, y * height)
-                });
-            }
-        }
-        let point = |pixel: DVec2| point(rig, map, pixel);
-        mesh.vertices.iter_mut().for_each(|vertex| vertex.point = point(vertex.pixel));
-        mesh.reach_for_the_edge(point);
-        mesh
-    }
-
-    /// Adds a grid with this number of cells.
-    fn grid(&mut self, (columns, rows): (usize, usize), pixel: impl Fn(f64, f64) -> DVec2) {
-        let first = self.vertices.len();
-        for row in 0..=rows {
-            for column in 0..=columns {
-                let pixel = pixel(column as f64 / columns as f64, row as f64 / rows as f64);
-                self.vertices.push(Vertex { pixel, point: None });
-            }
-        }
-        for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
-            let at = first + row * (columns + 1) + column;
-            self.triangles.push([at, at + 1, at + columns + 1]);
-            self.triangles.push([at + 1, at + columns + 2, at + columns + 1]);
-        }
-    }
-
-    /// Moves vertices that light nothing to the edge of the lit area, if a neighbour is lit, and
-    /// removes the triangles of the others.
-    fn reach_for_the_edge(&mut self, point: impl Fn(DVec2) -> Option<DVec3>) {
-        let mut moved: BTreeMap<usize, Vertex> = BTreeMap::new();
-        for triangle in &self.triangles {
-            for (&dark, &lit) in triangle.iter().flat_map(|a| triangle.iter().map(move |b| (a, b))) {
-                let (from, to) = (self.vertices[lit], self.vertices[dark]);
-                if from.point.is_none() || to.point.is_some() || moved.contains_key(&dark) {
-                    continue;
-                }
-                let (mut best, mut beyond) = (from, to.pixel);
-                for _ in 0..HALVINGS {
-                    let pixel = 0.5 * (best.pixel + beyond);
-                    match point(pixel) {
-                        Some(found) => best = Vertex { pixel, point: Some(found) },
-                        None => beyond = pixel,
-                    }
-                }
-                moved.insert(dark, best);
-            }
-        }
-        for (index, vertex) in moved {
-            self.vertices[index] = vertex;
-        }
-        let vertices = &self.vertices;
-        self.triangles.retain(|triangle| triangle.iter().all(|index| vertices[*index].point.is_some()));
-    }
-}
-
-/// Point at which a pixel is seen: on the screen, or in a window in front of the viewer.
-fn point(rig: &Rig, map: &WarpMap, pixel: DVec2) -> Option<DVec3> {
-    map.hit(pixel).or_else(|| {
-        let is_window = map.origin().is_none() && map.screen().size() > 0.0;
-        let direction = map.direction(pixel).filter(|_| is_window)?;
-        Some(map.viewer().point_to_parent(direction * WINDOW_AT * rig.dome.radius))
-    })
 }
 
 /// Points at the ends of the lines from a projector to the corners and the middles of the sides of
@@ -293,10 +234,6 @@ fn rounded(point: DVec3) -> [f64; 3] {
     point.to_array().map(|value| (value * 1e4).round() / 1e4)
 }
 
-fn numbers(values: impl Iterator<Item = f64>) -> Value {
-    numbers_or_null(values.map(Some))
-}
-
 fn numbers_or_null(values: impl Iterator<Item = Option<f64>>) -> Value {
     let number = |value: Option<f64>| value.filter(|value| value.is_finite()).map(|value| (value * 1e5).round() / 1e5);
     Value::Array(values.map(|value| number(value).map_or(Value::Null, Value::from)).collect())
@@ -314,7 +251,7 @@ mod tests {
     fn scene(name: &str) -> Scene {
         let rig = cupola::rig::load(name).expect("a preset");
         let sizes = (0..rig.outputs.len()).map(|output| crate::map::native_size(&rig, output)).collect();
-        Scene::new(&rig, sizes)
+        Scene::new(&rig, sizes, None)
     }
 
     /// The area of the meshes of a domemaster is that of its hemisphere.
@@ -328,6 +265,8 @@ mod tests {
         let total: f64 = mesh.triangles.iter().map(|triangle| area(*triangle)).sum();
         let whole = 2.0 * std::f64::consts::PI * 25.0;
         assert!((total / whole - 1.0).abs() < 0.01, "{total} {whole}");
+        let coarse: f64 = mesh.coarse.iter().map(|triangle| area(*triangle)).sum();
+        assert!((coarse / whole - 1.0).abs() < 0.03 && mesh.coarse.len() * 9 == mesh.triangles.len(), "{coarse}");
     }
 
     #[test]
@@ -345,5 +284,30 @@ mod tests {
                 && light.iter().filter(|value| (**value - 1.0).abs() < 1e-4).count() * 100 > light.len() * 98
         );
         assert!(coverage.contains(&1.0) && coverage.contains(&2.0) && coverage.iter().all(|count| *count <= 4.0));
+    }
+
+    #[test]
+    fn outputs_that_stay_the_same_are_taken_from_the_scene_before() {
+        let first = scene("planetarium-6");
+        let mut rig = first.rig.clone();
+        let cupola::rig::OutputKind::Projector { angles, .. } = &mut rig.outputs[2].kind else { panic!("a projector") };
+        angles[0] += 0.1;
+        rig.outputs[3].blend.gamma += 0.1;
+        let next = Scene::new(&rig, first.sizes.clone(), Some(&first));
+        let is_taken = |index: usize| Arc::ptr_eq(&first.meshes[index], &next.meshes[index]);
+        assert_eq!([0, 1, 2, 3, 4, 5].map(is_taken), [true, true, false, true, true, true]);
+        let anew = Scene::new(&rig, first.sizes.clone(), None);
+        let bytes = |scene: &Scene| -> Vec<Vec<u8>> { scene.meshes.iter().map(|mesh| mesh.bytes((9, 9))).collect() };
+        assert!(bytes(&next) == bytes(&anew) && bytes(&next) != bytes(&first));
+        // What the page has is left out.
+        let known: Vec<u64> = first.meshes.iter().map(|mesh| mesh.id).collect();
+        let moved = next.bytes(7, &[]).len() - next.bytes(7, &known).len();
+        assert_eq!(
+            moved,
+            [0, 1, 3, 4, 5].map(|index: usize| next.meshes[index].bytes((9, 9)).len()).iter().sum::<usize>()
+        );
+        rig.viewer.position.x += 0.1;
+        let moved = Scene::new(&rig, first.sizes.clone(), Some(&next));
+        assert!(!Arc::ptr_eq(&moved.meshes[0], &next.meshes[0]), "another viewer");
     }
 }
