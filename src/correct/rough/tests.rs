@@ -108,7 +108,7 @@ fn a_rough_picture_is_within_its_bound_where_the_old_views_show_it() {
             println!("{name} {degrees}°: {found:?}");
             assert!(found.pixels < PIXELS && found.light < LIGHT, "{name} {degrees}: {found:?}");
             // Cells at the rim and at the border of what is shown are left out.
-            assert!(found.covered > 500 && found.missing * 40 < found.covered, "{name} {degrees}: {found:?}");
+            assert!(found.covered > 400 && found.missing * 40 < found.covered, "{name} {degrees}: {found:?}");
             // Negative control: the rough picture of a rig that is turned a little further.
             let other = plan(&turned(&rig, degrees + 0.5), &request, &old, u64::MAX).expect("it serves");
             assert!(compare(&new, size, &old, &other).pixels > PIXELS, "{name} {degrees}");
