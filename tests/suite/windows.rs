@@ -196,15 +196,20 @@ fn a_driver_swaps_a_window_of_its_own() {
     let outputs = cupola::rig::load(&whole.to_string_lossy()).expect("a rig").outputs;
     let published = scratch("swapped").join("ring");
     let _program = publish(&run, &apart, &published);
+    let picture = |output: &cupola::rig::Output| {
+        let file = one.directory.join(format!("capture-{}.png", output.name));
+        image::open(file).expect("a picture").into_rgb8().into_raw()
+    };
     let mut seen = Vec::new();
-    // The window of the last output opens by itself at the same place; each of these lies above it.
+    // The window of the last output opens by itself at the same place, before the others, which lie
+    // above it then.
+    expect_pixels(&other, &picture(&outputs[5]), &outputs[5].name);
     for (output, fault, refuses) in [(&outputs[3], "swaps 1", false), (&outputs[4], "swaps 0", true)] {
         let mut command = window(&output.name, &other, &published);
         command.args(["--swap-interval", "0", "--swap-group", "3", "--swap-barrier", "4"]);
         let variables = [("LD_LIBRARY_PATH", folder), ("__GLX_VENDOR_LIBRARY_NAME", "calls"), ("CALLS_FAULT", fault)];
         let mut shown = start(command.envs(variables).stderr(Stdio::piped()));
-        let file = one.directory.join(format!("capture-{}.png", output.name));
-        let expected = image::open(file).expect("a picture").into_rgb8().into_raw();
+        let expected = picture(output);
         assert!(!seen.contains(&expected), "control: the pictures differ");
         expect_pixels(&other, &expected, &output.name);
         seen.push(expected);
