@@ -155,12 +155,14 @@ unsafe fn role(given: &vk::DeviceCreateInfo<'_>, active: bool, enabled: &Enabled
 /// # Safety
 /// `physical` must be of this instance.
 unsafe fn has_present_barrier(parent: &Instance, physical: vk::PhysicalDevice) -> bool {
+    if !present_barrier::wanted() {
+        return false;
+    }
     let name = c"vkGetPhysicalDeviceSurfaceCapabilities2KHR".as_ptr();
     // SAFETY: as promised.
     let (can_ask, known) = unsafe {
-        let extensions = || parent.functions.enumerate_device_extension_properties(physical).unwrap_or_default();
         let can_ask = (parent.get_instance_proc_addr)(parent.functions.handle(), name).is_some();
-        (can_ask, if present_barrier::wanted() { extensions() } else { Vec::new() })
+        (can_ask, parent.functions.enumerate_device_extension_properties(physical).unwrap_or_default())
     };
     can_ask && known.iter().any(|known| known.extension_name_as_c_str() == Ok(nv::present_barrier::NAME))
 }

@@ -179,6 +179,8 @@ pub unsafe extern "system" fn create(
     let mut result = next(&changed);
     if joins && result != vk::Result::SUCCESS {
         changed.p_next = given.p_next;
+        // The first call has retired it, and a retired one must not be given again.
+        changed.old_swapchain = vk::SwapchainKHR::null();
         result = next(&changed);
         if result == vk::Result::SUCCESS {
             log::once(swaps::NOT_LET);
