@@ -189,7 +189,7 @@ impl DefaultFramebuffer {
         new.issued.clone_from(&self.issued);
         new.culled.clone_from(&self.culled);
         // The session is that of the earlier rig.
-        new.rough = self.rough;
+        new.rough.clone_from(&self.rough);
         Ok(new)
     }
 }

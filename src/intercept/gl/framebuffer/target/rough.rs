@@ -3,7 +3,7 @@
 
 use crate::backend::gl::driver::api::Gl;
 use crate::error::Result;
-use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::gl::state::drawable::default_framebuffer::{DefaultFramebuffer, RoughlyShown};
 use crate::intercept::process::live::Live;
 use crate::intercept::process::settings::{self, Settings};
 use crate::intercept::process::{clock, log};
@@ -21,7 +21,7 @@ fn is_watched(settings: &Settings) -> bool {
 impl DefaultFramebuffer {
     /// True if the own plan of the roughly corrected rig is due.
     pub fn has_rested(&self) -> bool {
-        self.rough.is_some_and(|since| since.elapsed() >= REST)
+        self.rough.as_ref().is_some_and(|shown| shown.since.elapsed() >= REST)
     }
 
     /// Shows another rig by a rough correction, which differs in more than the adaptation of the
@@ -34,8 +34,9 @@ impl DefaultFramebuffer {
             log::once(&format!("a changed rig is not shown before it is planned: {error}"));
             return false;
         }
+        let before = self.rough.take().map_or_else(|| self.rig.clone(), |shown| shown.before);
         (self.rig, self.version, self.next) = (live.rig.clone(), live.version, None);
-        self.rough = Some(Instant::now());
+        self.rough = Some(RoughlyShown { since: Instant::now(), before });
         true
     }
 
@@ -44,9 +45,8 @@ impl DefaultFramebuffer {
     /// # Errors
     /// As for [`GlBackend::prepare`](crate::backend::gl::GlBackend::prepare).
     pub fn leave_roughly_shown(&mut self, gl: &Gl) -> Result<()> {
-        if self.rough.take().is_none() {
-            return Ok(());
-        }
+        let Some(shown) = self.rough.take() else { return Ok(()) };
+        self.rig = shown.before;
         self.backend.prepare(gl, self.session.plan(), self.shows_panel())?;
         self.prepare_outputs(gl)
     }

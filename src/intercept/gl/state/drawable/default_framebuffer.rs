@@ -16,6 +16,15 @@ use std::cell::Cell;
 use std::sync::Arc;
 use std::time::Instant;
 
+/// A rig that a rough correction shows.
+#[derive(Clone)]
+pub struct RoughlyShown {
+    /// Time of the rig's last change.
+    pub(in crate::intercept::gl) since: Instant,
+    /// The rig of the views, as the file had it.
+    pub(in crate::intercept::gl) before: Arc<Rig>,
+}
+
 /// A rectangle that is ready to be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::intercept::gl) struct Ready {
@@ -34,9 +43,9 @@ pub struct DefaultFramebuffer {
     pub(in crate::intercept::gl) version: u64,
     /// The rig that follows, and its plan, while its shaders are being made.
     pub(in crate::intercept::gl) next: Option<(Session, Live)>,
-    /// Time since which a rough correction shows `rig` over the views of `session`, which is that
-    /// of an earlier rig. `None`: the session's own correction is in use.
-    pub(in crate::intercept::gl) rough: Option<Instant>,
+    /// A rough correction shows `rig` over the views of `session`, which is that of an earlier rig.
+    /// `None`: the session's own correction is in use.
+    pub(in crate::intercept::gl) rough: Option<RoughlyShown>,
     pub(in crate::intercept::gl) config: Config,
     pub(in crate::intercept::gl) surface: Surface,
     /// Picture of the surface with one sample per pixel, if the surface has several.
