@@ -6,8 +6,9 @@
 //! corners already have their places in the atlas. So one shader without numbers of the rig draws
 //! all outputs of all rigs, and only its vertices change.
 //!
-//! Between the corners, directions are a small part of a pixel off; `tests` has the bound. Pixels
-//! whose directions no view shows are black.
+//! Between the corners of pictures up to 640 pixels wide, directions are less than 0.6 pixels off,
+//! and weights less than 0.12 at the corners of ramps (measured by `tests`). Pixels whose directions
+//! no view shows are black.
 
 mod cells;
 mod pieces;
