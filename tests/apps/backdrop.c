@@ -2,7 +2,8 @@
  * A scene off screen with a background that fills its image. A triangle without depth draws the
  * background, whose colours depend on the place in the picture. The scene is the cube, small and
  * far ahead of the camera. --mode multisampled: the image has samples, which are resolved. --mode
- * corner: the cube around the camera is also drawn, in the lower left quarter of the picture.
+ * corner: the cube around the camera is also drawn, in the lower left quarter of the picture. --mode
+ * window: background and scene are drawn to the window itself.
  */
 #include "common/app.h"
 #include "common/mesh.h"
@@ -41,12 +42,13 @@ static const char show_fragment[] = "#version 330 core\n"
 
 static mesh cube;
 static GLuint scene, screen, show, framebuffers[2], colour, buffers[2], empty;
-static bool multisampled, corner;
+static bool multisampled, corner, direct;
 
 static void setup(app *a)
 {
     multisampled = a->mode != NULL && strcmp(a->mode, "multisampled") == 0;
     corner = a->mode != NULL && strcmp(a->mode, "corner") == 0;
+    direct = a->mode != NULL && strcmp(a->mode, "window") == 0;
     const shader_source of_scene[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}};
     const shader_source of_screen[] = {{GL_VERTEX_SHADER, screen_vertex}, {GL_FRAGMENT_SHADER, fragment}};
     const shader_source of_show[] = {{GL_VERTEX_SHADER, show_vertex}, {GL_FRAGMENT_SHADER, show_fragment}};
@@ -87,7 +89,7 @@ static void fill(void)
 
 static void draw(app *a)
 {
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffers[0]);
+    glBindFramebuffer(GL_FRAMEBUFFER, direct ? 0 : framebuffers[0]);
     app_clear();
     fill();
     glUseProgram(scene);
@@ -107,6 +109,8 @@ static void draw(app *a)
         glDisable(GL_SCISSOR_TEST);
         glViewport(0, 0, width, height);
     }
+    if (direct)
+        return;
     if (multisampled) {
         glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffers[1]);
         glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);

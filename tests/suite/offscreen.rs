@@ -311,7 +311,7 @@ fn flat_drawing_into_a_scene() {
 }
 
 /// A background whose colours depend on the place in the program's window, drawn to the image of a
-/// scene. Inside the program's field of view the colours are those of the window. To the sides they
+/// scene or to the window itself. Inside the program's field of view the colours are those of the window. To the sides they
 /// are those at the same elevation, and elsewhere those at the border.
 fn a_background_has_no_seams() {
     let tangent = (0.5 * 75.0_f64.to_radians()).tan();
@@ -321,8 +321,8 @@ fn a_background_has_no_seams() {
         let [right, up] = at.map(|at| 255.0 * (0.5 + 0.5 * at.clamp(-1.0, 1.0)));
         [right, up, 0.25 * 255.0]
     };
-    for mode in ["plain", "multisampled"] {
-        let extra = ["--mode", mode, "--shot", "shot.ppm"];
+    for (mode, samples) in [("plain", "0"), ("multisampled", "0"), ("window", "0"), ("window", "4")] {
+        let extra = ["--mode", mode, "--samples", samples, "--shot", "shot.ppm"];
         let run = Run { extra: &extra, frames: 6, cupola_frames: 6, ..Run::new("backdrop") };
         let Some(under) = run.under("fisheye") else { return };
         let picture = under.expect_success().expect_no_gl_errors().picture("capture.png");
@@ -341,7 +341,7 @@ fn a_background_has_no_seams() {
         let wrong = pixels().filter(|(x, y)| off(*x, *y) > 4.0).count();
         assert!(
             wrong == 0,
-            "{mode}: {wrong} pixels are off, the worst by {}",
+            "{mode}, {samples} samples: {wrong} pixels are off, the worst by {}",
             pixels().fold(0.0, |w: f64, (x, y)| w.max(off(x, y)))
         );
         let middle = picture.at(128, 128);
@@ -349,6 +349,10 @@ fn a_background_has_no_seams() {
             expected([0.0, 0.0, -1.0]).iter().zip(middle).any(|(a, b)| (a - f64::from(b)).abs() > 30.0),
             "the scene"
         );
+        // Mesa resolves samples of a window and of a framebuffer object with other roundings.
+        if samples != "0" {
+            continue;
+        }
         let Some(own) = run.under("identity-captured") else { return };
         let own = own.expect_success().expect_no_gl_errors().picture("shot.ppm");
         let Some(plain) = run.plain() else { return };

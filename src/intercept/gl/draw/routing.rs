@@ -22,9 +22,9 @@ use crate::intercept::gl::offscreen::{coverage, draws, sampling};
 use crate::intercept::gl::per_view::classify::{classify, main_viewport, several_viewports};
 use crate::intercept::gl::per_view::culling::select;
 use crate::intercept::gl::per_view::issue::{Copies, CopyTarget, Repeats, plain_program};
-use crate::intercept::gl::per_view::panel::PanelBlend;
+use crate::intercept::gl::per_view::panel::{self, PanelBlend};
 use crate::intercept::gl::per_view::window_space::{own_window_space, program_window_space, view_window_space};
-use crate::intercept::gl::per_view::{self, background, wide_primitives};
+use crate::intercept::gl::per_view::{self, backdrop, background, wide_primitives};
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::shader::assembly;
@@ -39,6 +39,9 @@ use crate::intercept::inspection;
 use crate::intercept::scene::query_scaling::QueryScaling;
 use crate::runtime::session::Session;
 use std::sync::Arc;
+
+/// Number of a frame's first flat draws to the window that may fill its background.
+const BACKDROPS: u32 = 4;
 
 /// Issues a draw of the program once per view that shows it. `bounds` returns a box around its
 /// vertices and is called only if the box is needed.
@@ -96,20 +99,26 @@ fn draw_to_window(
         None => select::views(ctx, class, bounds, changes),
     };
     let Some(target) = ctx.drawable.target() else { return };
-    let (session, primary) = (target.session.clone(), target.primary());
+    let (session, primary, panel) = (target.session.clone(), target.primary(), target.panel());
     let counts = changes != Changes::Nothing || ctx.app.feedback() || ctx.queries.have_counted();
     let shown = if counts || !select::enabled() { shown } else { shown.within(session.needed()) };
-    if class != DrawClass::Behind {
+    if !matches!(class, DrawClass::Behind | DrawClass::Flat) {
         ctx.frame.note_viewport(ctx.app.viewport());
     }
-    let mut window = WindowCopies { session, primary, class, shown };
-    let views = window.session.views().len();
-    let count = views + usize::from(window.primary.is_some());
+    let views = session.views().len();
+    let picture = if class == DrawClass::Flat { backdrop::tile_in_window(ctx) } else { None };
+    let own = primary.or(picture.filter(|tile| Some(*tile) == panel));
+    let mut window = WindowCopies { session, own, class, shown };
+    let count = views + usize::from(window.own.is_some());
     per_view::issue::issue(ctx, &Copies { changes, views, count, shown }, &mut window, issue);
+    if let Some(picture) = picture {
+        backdrop::spread_in_window(ctx, picture);
+        panel::clear_panel(ctx);
+    }
 }
 
-/// Returns the class of a draw that goes to the views. `None`: the draw is flat and was issued
-/// here.
+/// Returns the class of a draw that goes to the views: [`DrawClass::Flat`] for a background that
+/// fills the picture. `None`: the draw is flat and was issued here.
 fn perspective_or_flat(
     ctx: &mut Context,
     changes: Changes,
@@ -135,10 +144,12 @@ fn perspective_or_flat(
             return Some(DrawClass::Screen);
         }
         ctx.frame.note_flat();
-        if measure.is_some()
-            || several_viewports(&ctx.app, &ctx.shaders)
-            || !background::is_behind(&ctx.app, &ctx.drawable, &mut ctx.frame, &ctx.compat)
-        {
+        let is_behind = measure.is_none()
+            && !several_viewports(&ctx.app, &ctx.shaders)
+            && background::is_behind(&ctx.app, &ctx.drawable, &mut ctx.frame, &ctx.compat);
+        let fills = if is_behind { fills_picture(ctx) } else { Ok(false) };
+        let measure = measure.or(fills.err());
+        if !is_behind || measure.is_some() {
             if inspection::is_recording() {
                 let differ = several_viewports(&ctx.app, &ctx.shaders).then_some("its viewports differ");
                 let small = (!main).then_some("its viewport is smaller than that of the scene");
@@ -147,11 +158,24 @@ fn perspective_or_flat(
             flat(ctx, changes, measure, issue);
             return None;
         }
+        if fills == Ok(true) {
+            return Some(DrawClass::Flat);
+        }
         class = DrawClass::Behind;
     } else {
         ctx.frame.note_scene();
     }
     Some(if fallback::look_divided(ctx, class) { classify(ctx) } else { class })
+}
+
+/// Returns whether the next draw, which comes before the scene, fills the program's picture. `Err`:
+/// not known yet, the draw must be measured.
+fn fills_picture(ctx: &mut Context) -> Result<bool, Measure> {
+    let number = ctx.frame.background().flat_draws();
+    if number > BACKDROPS || backdrop::tile_in_window(ctx).is_none() {
+        return Ok(false);
+    }
+    coverage::fills_window(ctx, number)
 }
 
 /// Records a draw to the window for `cupola inspect`.
@@ -167,17 +191,18 @@ fn is_screen_pass(ctx: &Context) -> bool {
         && sampling::sampled(&ctx.driver, &ctx.shaders, &ctx.view_copies) == 0
 }
 
-/// Target of draws to the window: the tiles of the views, and the primary view if there is one.
+/// Target of draws to the window: the tiles of the views, and the program's own picture if it has a
+/// tile of its own.
 struct WindowCopies {
     session: Arc<Session>,
-    primary: Option<LowerLeftRect>,
+    own: Option<LowerLeftRect>,
     class: DrawClass,
     shown: Views,
 }
 
 impl CopyTarget for WindowCopies {
     fn prepare(&mut self, ctx: &mut Context, view: usize) -> Option<DrawClass> {
-        let (tile, own_lens) = match self.primary {
+        let (tile, own_lens) = match self.own {
             Some(tile) if view >= self.session.views().len() => (tile, true),
             _ => self.session.tile(view),
         };
@@ -191,7 +216,7 @@ impl CopyTarget for WindowCopies {
 
     fn factors(&self, ctx: &mut Context, view: usize, _class: Option<DrawClass>) -> QueryScaling {
         let views = self.session.views().len();
-        let primitives = 1.0 / (views + usize::from(self.primary.is_some())) as f64;
+        let primitives = 1.0 / (views + usize::from(self.own.is_some())) as f64;
         if self.session.turns().is_some() {
             return QueryScaling::ONCE;
         }

@@ -1,16 +1,11 @@
-//! Flat drawing that fills a scene's image before the scene is drawn: a gradient or a picture as
-//! background.
-//!
-//! Without a change there would be a seam between any two views. So each view gets the part of this
-//! picture that it sees through the program's lens. Around the picture the colours of its border
-//! continue.
+//! Flat drawing that fills a scene's image before the scene is drawn ([`per_view::backdrop`]).
 
-use crate::backend::gl::Spread;
 use crate::backend::gl::driver::api;
 use crate::correct::{LowerLeftRect, Size};
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::offscreen::view_copies::{own_tile, views};
-use crate::intercept::process::log;
+use crate::intercept::gl::offscreen::view_copies::own_tile;
+use crate::intercept::gl::per_view;
+use crate::intercept::gl::per_view::backdrop::Picture;
 
 /// Formats of colours that can be copied and filtered directly.
 const FORMATS: [u32; 9] = [
@@ -34,31 +29,13 @@ pub(super) fn spread(ctx: &mut Context, index: usize) {
     let (Some(name), None, false) = (colours.next(), colours.next(), framebuffer.has_scene) else { return };
     let Some(image) = ctx.view_copies.image(name).filter(|image| FORMATS.contains(&image.format)) else { return };
     let Size { width, height } = image.size;
-    let (Some(copy), Some(lens)) = (&image.view_copy, ctx.frame.lens()) else { return };
-    let Some(session) = ctx.drawable.session() else { return };
-    // A view with a curved picture cannot be filled.
-    let fills = ctx.app.viewport() == LowerLeftRect::new(0, 0, width, height);
-    if !fills || session.rows(&lens).any(|reprojection| reprojection.curved) {
+    let Some(copy) = &image.view_copy else { return };
+    if ctx.app.viewport() != LowerLeftRect::new(0, 0, width, height) {
         return;
     }
     let (grid, format, framebuffer) = (copy.grid, image.format, framebuffer.view_copy);
-    let mut tiles = std::mem::take(&mut ctx.view_copies.tiles);
-    tiles.clear();
-    tiles.extend(
-        session.rows(&lens).enumerate().map(|(view, reprojection)| (grid.tile(view), reprojection.directions(&lens))),
-    );
-    debug_assert_eq!(tiles.len(), views(&ctx.drawable));
-    let what = Spread {
-        framebuffer,
-        picture: grid.tile(own_tile(&ctx.drawable, &ctx.view_copies)),
-        format,
-        lens,
-        tiles: &tiles,
-    };
-    if let Some(target) = ctx.drawable.target_mut()
-        && let Err(error) = target.spread(ctx.driver.gl, &what, &ctx.driver.known_state)
-    {
-        log::once(&format!("the background of a scene has seams between the views: {error}"));
-    }
-    ctx.view_copies.tiles = tiles;
+    let rectangle = grid.tile(own_tile(&ctx.drawable, &ctx.view_copies));
+    drop(colours);
+    let picture = Picture { framebuffer, rectangle, format };
+    per_view::backdrop::spread(ctx, &picture, |view| (grid.tile(view), false));
 }

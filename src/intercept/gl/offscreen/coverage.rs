@@ -26,7 +26,7 @@ const GREATEST: usize = 64;
 /// yet, the draw must be measured.
 pub fn filled_part(ctx: &mut Context, sampled: Set) -> Result<Option<LowerLeftRect>, Measure> {
     let Some(window) = window(&ctx.drawable) else { return Ok(None) };
-    match look_up(ctx, sampled, window) {
+    match look_up(ctx, (sampled, 0), window) {
         Answer::Part(part) => Ok(part),
         Answer::Measure(measure) => Err(measure),
         Answer::Later => Ok(None),
@@ -44,10 +44,23 @@ pub fn window(drawable: &Drawable) -> Option<Picture> {
 /// a framebuffer with `samples` samples per pixel. `Err`: not known yet, the draw must be measured.
 pub fn fills_viewport(ctx: &mut Context, samples: i32) -> Result<bool, Measure> {
     let picture = Picture { size: ctx.app.viewport().size(), samples: samples.max(1).into() };
-    match look_up(ctx, 0, picture) {
+    match look_up(ctx, (0, 0), picture) {
         Answer::Part(part) => Ok(part.is_some()),
         Answer::Measure(measure) => Err(measure),
         Answer::Later | Answer::Never => Ok(true),
+    }
+}
+
+/// Returns whether the next draw, which is the `number`-th flat draw of a frame to the window, fills
+/// the program's viewport. `Err`: not known yet, the draw must be measured. `Ok(false)` if it cannot
+/// be measured.
+pub fn fills_window(ctx: &mut Context, number: u32) -> Result<bool, Measure> {
+    let Some(window) = window(&ctx.drawable) else { return Ok(false) };
+    let picture = Picture { size: ctx.app.viewport().size(), ..window };
+    match look_up(ctx, (0, number), picture) {
+        Answer::Part(part) => Ok(part.is_some()),
+        Answer::Measure(measure) => Err(measure),
+        Answer::Later | Answer::Never => Ok(false),
     }
 }
 
@@ -64,9 +77,9 @@ enum Answer {
 }
 
 /// Returns what is known of the coverage of draws like the next one.
-fn look_up(ctx: &mut Context, sampled: Set, picture: Picture) -> Answer {
+fn look_up(ctx: &mut Context, (sampled, number): (Set, u32), picture: Picture) -> Answer {
     let program = ctx.shaders.program().filter(|p| p.draws_vertices()).map_or(0, |p| p.name);
-    let signature = Signature { program, sampled, viewport: ctx.app.viewport() };
+    let signature = Signature { program, sampled, viewport: ctx.app.viewport(), number };
     let kinds = &mut ctx.view_copies.coverage.0;
     let kind = match kinds.iter().position(|kind| kind.signature == signature) {
         Some(index) => index,

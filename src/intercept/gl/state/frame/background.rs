@@ -5,7 +5,7 @@ use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::scene::frame_order::FrameOrder;
 use crate::intercept::scene::viewport::parts::PanelPart;
 use crate::runtime::session::{ClipRows, Session};
-use glam::{DMat4, DVec2, DVec3};
+use glam::{DMat3, DMat4, DVec2, DVec3};
 
 /// Least w of a point in a view. A point with a smaller w is outside of the view.
 const LEAST_W: f64 = 1e-6;
@@ -14,6 +14,11 @@ const LEAST_W: f64 = 1e-6;
 #[derive(Default)]
 pub struct Background {
     pub(in crate::intercept::gl) order: FrameOrder,
+    /// Number of flat draws to the window so far in this frame.
+    flat_draws: u32,
+    /// Room for the tiles of the views and their directions. It is used again, so that a background
+    /// allocates nothing.
+    tiles: Vec<(LowerLeftRect, DMat3)>,
     reprojections: Vec<ClipRows>,
     for_shaders: Vec<ReprojectionMatrix>,
     /// Part of the panel for which `reprojections` were computed.
@@ -32,11 +37,13 @@ impl Background {
     /// Notes a flat draw.
     pub fn note_flat(&mut self) {
         self.order.note_flat();
+        self.flat_draws += 1;
     }
 
     /// Ends the frame.
     pub fn end_frame(&mut self) {
         self.order.end_frame();
+        self.flat_draws = 0;
     }
 
     /// Forgets all matrices, as the views have changed.
@@ -44,6 +51,23 @@ impl Background {
         self.reprojections.clear();
         self.for_shaders.clear();
         self.matrix = None;
+    }
+
+    /// Number of flat draws to the window so far in this frame.
+    pub fn flat_draws(&self) -> u32 {
+        self.flat_draws
+    }
+
+    /// Takes out the room for the tiles of the views and their directions, which is empty.
+    pub fn take_tiles(&mut self) -> Vec<(LowerLeftRect, DMat3)> {
+        let mut tiles = std::mem::take(&mut self.tiles);
+        tiles.clear();
+        tiles
+    }
+
+    /// Puts this room back.
+    pub fn put_tiles(&mut self, tiles: Vec<(LowerLeftRect, DMat3)>) {
+        self.tiles = tiles;
     }
 
     /// Returns the reprojection matrix of a view, for the program's shaders.

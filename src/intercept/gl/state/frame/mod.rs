@@ -132,6 +132,11 @@ impl Frame {
         &self.background
     }
 
+    /// Flat drawing behind the scene, to be changed.
+    pub fn background_mut(&mut self) -> &mut Background {
+        &mut self.background
+    }
+
     /// Notes a flat draw to the window.
     pub fn note_flat(&mut self) {
         self.background.note_flat();

@@ -15,6 +15,9 @@ pub(in crate::intercept::gl) struct Signature {
     pub(in crate::intercept::gl) program: u32,
     pub(in crate::intercept::gl) sampled: Set,
     pub(in crate::intercept::gl) viewport: LowerLeftRect,
+    /// Number of a flat draw to the window among those before the scene; 0 for other draws. It tells
+    /// draws of the fixed-function pipeline apart, which have no program.
+    pub(in crate::intercept::gl) number: u32,
 }
 
 pub(in crate::intercept::gl) struct Kind {
@@ -37,7 +40,7 @@ pub(in crate::intercept::gl) enum State {
 }
 
 /// The measurement of one draw.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Measure {
     /// Index of the draw's kind in the list.
     pub(in crate::intercept::gl) kind: usize,
@@ -46,7 +49,7 @@ pub struct Measure {
 }
 
 /// What is measured of a draw.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 pub(in crate::intercept::gl) enum Measured {
     /// The number of samples that it draws in this picture.
     Samples(Picture),

@@ -1,6 +1,5 @@
 //! Records of the program's framebuffers and of the images in them.
 
-use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::offscreen::coverage::Coverage;
 use crate::intercept::gl::state::offscreen::depth_converter::DepthConverter;
 use crate::intercept::gl::state::offscreen::displayed::DisplayedPictures;
@@ -10,7 +9,6 @@ use crate::intercept::gl::state::offscreen::issued::Issued;
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
 use crate::intercept::scene::viewport::parts::Parts;
 use crate::lock::Lock;
-use glam::DMat3;
 use std::sync::Mutex;
 
 /// Records of the program's framebuffers.
@@ -39,9 +37,6 @@ pub struct ViewCopies {
     pub(in crate::intercept::gl) depth_converters: Vec<DepthConverter>,
     /// Pictures for flat draws that show images which are drawn once per view.
     pub(in crate::intercept::gl) displayed: DisplayedPictures,
-    /// Room for the tiles of the views and their directions. It is used again, so that a background
-    /// allocates nothing.
-    pub(in crate::intercept::gl) tiles: Vec<(LowerLeftRect, DMat3)>,
     /// Off-screen draws that were issued once per view.
     pub(in crate::intercept::gl) issued: Issued,
     /// The pass of the last described draw.
