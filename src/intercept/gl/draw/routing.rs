@@ -253,7 +253,8 @@ fn flat(ctx: &mut Context, changes: Changes, measure: Option<Measure>, mut issue
     want_panel(ctx);
     let Some(target) = ctx.drawable.target() else { return };
     let tiles = target.flat_tiles();
-    let mut repeats = Repeats::new(changes, &ctx.driver, &ctx.app, 0).counting(&ctx.share, &ctx.shaders);
+    let mut repeats =
+        Repeats::new(changes, &ctx.driver, &ctx.app, 0).counting(&ctx.share, &mut ctx.driver, &ctx.shaders);
     plain_program(ctx);
     let pictures = tiles.iter().flatten().count();
     if let (Some(measure), Some((tile, _))) = (measure, tiles.iter().flatten().next()) {

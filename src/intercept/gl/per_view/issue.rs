@@ -7,7 +7,7 @@ use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::shader::camera_matrices::upload;
-use crate::intercept::gl::shader::changed_buffers::{self, KeptValues};
+use crate::intercept::gl::shader::changed::{Changed, KeptValues};
 use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::shader::source::frag_coord;
 use crate::intercept::gl::state::app::AppState;
@@ -18,7 +18,6 @@ use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::shader::Shaders;
-use crate::intercept::gl::state::shader::programs::ChangedBuffer;
 use crate::intercept::gl::state::shader::variants::{InUse, Variant};
 use crate::intercept::scene::query_scaling::QueryScaling;
 use std::sync::Arc;
@@ -62,7 +61,8 @@ impl Copies {
 /// Issues a draw once for each of its copies.
 pub fn issue(ctx: &mut Context, copies: &Copies, target: &mut dyn CopyTarget, draw: &mut dyn FnMut(&mut Context, &Gl)) {
     let gl = ctx.driver.gl;
-    let mut repeats = Repeats::new(copies.changes, &ctx.driver, &ctx.app, 0).counting(&ctx.share, &ctx.shaders);
+    let mut repeats =
+        Repeats::new(copies.changes, &ctx.driver, &ctx.app, 0).counting(&ctx.share, &mut ctx.driver, &ctx.shaders);
     let last = (0..copies.count).rev().find(|view| copies.contain(*view));
     let (mut projection_loaded, mut number) = (false, 0);
     for view in 0..copies.count {
@@ -168,16 +168,16 @@ fn plain_reprojection(share: &ShareGroup, driver: &Driver, draw: &DrawState, sha
 }
 
 /// Keeps repetitions of a draw invisible to the program. Vertex attributes and other state that the
-/// draw sets are restored in between, transform feedback records the draw once, and atomic counters
-/// and storage buffers have the values of the last time.
+/// draw sets are restored in between, transform feedback records the draw once, and buffers and
+/// images that the shaders write have the values of the last time.
 pub struct Repeats {
     mask: u32,
     /// True if the material follows the colour.
     follows: bool,
     feedback: bool,
-    /// Buffers that the shaders change.
-    changed: Vec<ChangedBuffer>,
-    /// Their values before the draw.
+    /// What the shaders change.
+    changed: Changed,
+    /// Values before the draw.
     values: Option<KeptValues>,
 }
 
@@ -195,12 +195,12 @@ impl Repeats {
         let follows = mask != 0 && driver.known_state.is_on(driver.gl, api::GL_COLOR_MATERIAL);
         // Before OpenGL 4.0 there is no pause, so every repetition is recorded.
         let feedback = app.feedback() && driver.gl.has_pause_transform_feedback();
-        Self { mask, follows, feedback, changed: Vec::new(), values: None }
+        Self { mask, follows, feedback, changed: Changed::default(), values: None }
     }
 
-    /// Lets a draw of the present shaders change buffers once.
-    pub fn counting(self, share: &ShareGroup, shaders: &Shaders) -> Self {
-        Self { changed: changed_buffers::present(share, shaders), ..self }
+    /// Lets a draw of the present shaders change buffers and images once.
+    pub fn counting(self, share: &ShareGroup, driver: &mut Driver, shaders: &Shaders) -> Self {
+        Self { changed: Changed::present(share, driver, shaders), ..self }
     }
 
     /// Runs `issue` for the `number`-th time. Restores what it changes, unless it is the `last`

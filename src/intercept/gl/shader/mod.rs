@@ -6,12 +6,12 @@
 //! lens. [`source`] reads the texts of shaders and changes them, [`assembly`] those of ARB
 //! programs. [`camera_matrices`] lets shaders choose between the program's matrices of its camera
 //! and those of a view. [`position`] finds in the linked program what the text proves,
-//! [`changed_buffers`] the buffers that its draws change.
+//! [`changed`] the buffers and images that its draws write.
 
 pub mod assembly;
 pub mod attribute_matrices;
 pub mod camera_matrices;
-pub mod changed_buffers;
+pub mod changed;
 pub mod introspection;
 pub mod linking;
 pub mod position;

@@ -8,12 +8,13 @@ use crate::correct::projected::projection;
 use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::methods;
+use crate::intercept::gl::shader::changed::buffers;
 use crate::intercept::gl::shader::linking::texts::{Changes, Linked, Texts};
 use crate::intercept::gl::shader::programs::forget_program;
 use crate::intercept::gl::shader::source::patch;
 use crate::intercept::gl::shader::source::{compute, dependence};
 use crate::intercept::gl::shader::uniforms::location;
-use crate::intercept::gl::shader::{attribute_matrices, camera_matrices, changed_buffers, samplers, uniforms};
+use crate::intercept::gl::shader::{attribute_matrices, camera_matrices, samplers, uniforms};
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::shader::position_names::PositionNames;
@@ -126,9 +127,15 @@ fn record(driver: &Driver, program: u32, texts: &Texts<'_>, linked: &Linked) -> 
     if texts.curved {
         record.texts = shaders.iter().filter_map(|s| Some((s.1, sources.get(&s.0)?.clone()))).collect();
     }
-    let drawing = shaders.iter().filter(|shader| shader.1 != api::GL_COMPUTE_SHADER);
-    if drawing.filter_map(|shader| sources.get(&shader.0)).any(|source| compute::may_write_buffers(source)) {
-        record.changed_buffers.extend(changed_buffers::storage_of(gl, program));
+    let drawing = || {
+        let shaders = shaders.iter().filter(|shader| shader.1 != api::GL_COMPUTE_SHADER);
+        shaders.filter_map(|shader| sources.get(&shader.0))
+    };
+    if drawing().any(|source| compute::may_write_buffers(source)) {
+        record.changed_buffers.extend(buffers::storage_of(gl, program));
+    }
+    if drawing().any(|source| compute::may_write_images(source)) {
+        record.written_images = compute::images_of(gl, program).collect();
     }
     record.subroutines = sources.values().any(|source| patch::mentions(source, "subroutine"));
     record.chooses_viewport = sources.values().any(|source| patch::mentions(source, "gl_ViewportIndex"));
@@ -305,7 +312,8 @@ fn read_program(
         own_locations: uniforms::locations(gl, name, &own_uniforms),
         own_uniforms,
         failed: AtomicU32::new(0),
-        changed_buffers: changed_buffers::of_program(gl, profile, name),
+        changed_buffers: buffers::of_program(gl, profile, name),
+        written_images: Vec::new(),
         stages,
         fixed_matrices,
         samplers: samplers::of_program(gl, name),

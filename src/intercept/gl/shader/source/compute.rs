@@ -2,8 +2,9 @@
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::shader::source::text::tokens;
-use crate::intercept::gl::state::shader::programs::{BufferWrites, ComputeStage};
+use crate::intercept::gl::state::shader::programs::{BufferWrites, ComputeStage, WrittenImage};
 use std::ffi::{CStr, c_char};
+use std::ops::Range;
 
 /// Returns the compute stage of a linked program with this text. `loses_cameras`: the text has no
 /// choices for its matrices.
@@ -42,11 +43,33 @@ const PICTURES: [u32; 3] = [api::GL_IMAGE_2D, api::GL_INT_IMAGE_2D, api::GL_UNSI
 /// Returns the locations of the uniforms that are two-dimensional images, and of the other images
 /// that the text may write.
 fn images(gl: &Gl, program: u32, words: &[&str]) -> (Vec<i32>, Vec<i32>) {
+    let (mut pictures, mut others) = (Vec::new(), Vec::new());
+    for ImageUniform { locations, kind, name } in image_uniforms(gl, program) {
+        if PICTURES.contains(&kind) {
+            pictures.extend(locations);
+        } else if !is_read_only(words, &name) {
+            others.extend(locations);
+        }
+    }
+    (pictures, others)
+}
+
+/// A uniform that is an image, or an array of images.
+struct ImageUniform {
+    /// Locations of the elements.
+    locations: Range<i32>,
+    /// Type.
+    kind: u32,
+    /// Name without an index.
+    name: String,
+}
+
+/// Returns the image uniforms of a linked program.
+fn image_uniforms(gl: &Gl, program: u32) -> impl Iterator<Item = ImageUniform> {
     let mut count = 0;
     // SAFETY: writes one integer.
     unsafe { gl.get_programiv(program, api::GL_ACTIVE_UNIFORMS, &mut count) };
-    let (mut pictures, mut others) = (Vec::new(), Vec::new());
-    for index in 0..u32::try_from(count).unwrap_or(0) {
+    (0..u32::try_from(count).unwrap_or(0)).filter_map(move |index| {
         let mut text: [c_char; 256] = [0; 256];
         let (mut length, mut size, mut kind) = (0, 0, 0);
         // SAFETY: writes at most 256 characters with their NUL, which are the name for the
@@ -60,22 +83,32 @@ fn images(gl: &Gl, program: u32, words: &[&str]) -> (Vec<i32>, Vec<i32>) {
         let locations = location..location + size.max(1);
         // In OpenGL's registry these types have consecutive numbers.
         let is_image = (api::GL_IMAGE_1D..=api::GL_UNSIGNED_INT_IMAGE_2D_MULTISAMPLE_ARRAY).contains(&kind);
-        if location < 0 || !is_image {
-            continue;
-        }
-        if PICTURES.contains(&kind) {
-            pictures.extend(locations);
-        } else if !is_read_only(words, name.split('[').next().unwrap_or_default()) {
-            others.extend(locations);
-        }
-    }
-    (pictures, others)
+        let name = name.split('[').next().unwrap_or_default().to_owned();
+        (location >= 0 && is_image).then_some(ImageUniform { locations, kind, name })
+    })
+}
+
+/// Returns the images that a linked program has.
+pub fn images_of(gl: &Gl, program: u32) -> impl Iterator<Item = WrittenImage> {
+    let images = image_uniforms(gl, program);
+    images.flat_map(move |image| {
+        image.locations.map(move |location| WrittenImage { program, location, kind: image.kind })
+    })
 }
 
 /// True if the declaration of an image, which is its first mention, has `readonly`.
 fn is_read_only(words: &[&str], name: &str) -> bool {
     let Some(at) = words.iter().position(|word| *word == name) else { return false };
     words[..at].iter().rev().take_while(|word| !matches!(**word, ";" | "{" | "}")).any(|word| *word == "readonly")
+}
+
+/// True if a shader with this text may write to an image.
+pub fn may_write_images(source: &str) -> bool {
+    // Most shaders have none, and need not be read.
+    (source.contains("imageStore") || source.contains("imageAtomic"))
+        && all_words(&tokens::bare(source))
+            .iter()
+            .any(|word| word.starts_with("imageStore") || word.starts_with("imageAtomic"))
 }
 
 /// True if a shader with this text may write to a storage buffer.

@@ -54,6 +54,17 @@ pub enum ChangedBuffer {
     },
 }
 
+/// An image that shaders may write.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WrittenImage {
+    /// The program.
+    pub program: u32,
+    /// Location of its uniform.
+    pub location: i32,
+    /// Type of its uniform.
+    pub kind: u32,
+}
+
 /// Settings for the next link of a program, by their kind and name: commands for another program.
 pub(in crate::intercept::gl) type LinkSettings = BTreeMap<(u8, CString), Arc<dyn Fn(&Gl, u32) + Send + Sync>>;
 
@@ -126,6 +137,8 @@ pub struct Program {
     pub(in crate::intercept::gl) failed: AtomicU32,
     /// Buffers that its shaders change.
     pub changed_buffers: Vec<ChangedBuffer>,
+    /// Images that draws of the program may write.
+    pub written_images: Vec<WrittenImage>,
     /// The bits of its stages that lie before rasterisation, as for `glUseProgramStages`.
     pub(in crate::intercept::gl) stages: u32,
     /// True if the program uses the fixed-function matrices.

@@ -1,12 +1,7 @@
-//! Atomic counters and storage buffers that shaders change. A draw that is issued several times
-//! changes them once: each time begins with the same values, so that those of the last time remain.
+//! Atomic counters and storage buffers that shaders of a draw change.
 
 use crate::backend::gl::driver::api::{self, Gl};
-use crate::backend::gl::driver::values::integer;
-use crate::intercept::gl::context::gl_context::ShareGroup;
-use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::state::driver::profile::Profile;
-use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::programs::ChangedBuffer;
 use crate::intercept::process::log;
 
@@ -14,7 +9,7 @@ use crate::intercept::process::log;
 const LARGEST: i64 = 1 << 20;
 
 /// Returns the atomic counters of a linked program.
-pub(super) fn of_program(gl: &Gl, profile: &Profile, program: u32) -> Vec<ChangedBuffer> {
+pub fn of_program(gl: &Gl, profile: &Profile, program: u32) -> Vec<ChangedBuffer> {
     if profile.version < if profile.es { 31 } else { 43 } {
         return Vec::new();
     }
@@ -28,7 +23,7 @@ pub(super) fn of_program(gl: &Gl, profile: &Profile, program: u32) -> Vec<Change
 
 /// Returns the storage buffers of a linked program. Its shaders have such buffers, so the driver has
 /// the questions.
-pub(super) fn storage_of(gl: &Gl, program: u32) -> impl Iterator<Item = ChangedBuffer> {
+pub fn storage_of(gl: &Gl, program: u32) -> impl Iterator<Item = ChangedBuffer> {
     let blocks = 0..resources(gl, program, api::GL_SHADER_STORAGE_BLOCK);
     blocks.map(move |block| ChangedBuffer::Storage { program, block })
 }
@@ -52,72 +47,36 @@ fn resource<const COUNT: usize>(gl: &Gl, program: u32, kind: u32, index: u32, na
     answers
 }
 
-/// Returns the buffers that the present shaders change.
-pub fn present(share: &ShareGroup, shaders: &Shaders) -> Vec<ChangedBuffer> {
-    if shaders.used() != 0 || shaders.bound_pipeline() == 0 {
-        return shaders.program().map_or(Vec::new(), |program| program.changed_buffers.clone());
-    }
-    let stages = shaders.stages();
-    let names = stages.last_first().into_iter().chain([stages.fragment()]);
-    let programs = names.filter_map(|name| programs::record(share, name));
-    let mut all: Vec<ChangedBuffer> = programs.flat_map(|program| program.changed_buffers.clone()).collect();
-    // Stages that share counters may need different parts of them: the largest comes first.
-    all.sort_unstable_by(|one, other| other.cmp(one));
-    all.dedup_by(|next, kept| match (&next, &kept) {
-        (ChangedBuffer::Counters { binding: next, .. }, ChangedBuffer::Counters { binding: kept, .. }) => next == kept,
-        _ => next == kept,
-    });
-    all
-}
-
-/// Values of buffers before a draw.
-pub struct KeptValues(Vec<Kept>);
-
 /// A buffer of the program, and the buffer of Cupola with a copy of a part of it.
-struct Kept {
+pub(super) struct KeptBuffer {
     buffer: u32,
     start: isize,
     size: isize,
     copy: u32,
 }
 
-impl KeptValues {
-    /// Keeps the values of these buffers.
-    pub fn keep(gl: &Gl, buffers: &[ChangedBuffer]) -> Self {
-        let mut kept = Self(Vec::new());
-        with_copies(gl, || {
-            for buffer in buffers {
-                kept.0.extend(Bound::of(gl, *buffer).and_then(|bound| bound.keep(gl)));
-            }
-        });
-        kept
-    }
-
+impl KeptBuffer {
     /// Puts the values back.
-    pub fn put_back(&self, gl: &Gl) {
-        with_copies(gl, || {
-            for Kept { buffer, start, size, copy } in &self.0 {
-                // SAFETY: both buffers have these bytes.
-                unsafe {
-                    gl.bind_buffer(api::GL_COPY_READ_BUFFER, *copy);
-                    gl.bind_buffer(api::GL_COPY_WRITE_BUFFER, *buffer);
-                    gl.copy_buffer_sub_data(api::GL_COPY_READ_BUFFER, api::GL_COPY_WRITE_BUFFER, 0, *start, *size);
-                }
-            }
-        });
+    pub(super) fn put_back(&self, gl: &Gl) {
+        let Self { buffer, start, size, copy } = *self;
+        // SAFETY: both buffers have these bytes.
+        unsafe {
+            gl.bind_buffer(api::GL_COPY_READ_BUFFER, copy);
+            gl.bind_buffer(api::GL_COPY_WRITE_BUFFER, buffer);
+            gl.copy_buffer_sub_data(api::GL_COPY_READ_BUFFER, api::GL_COPY_WRITE_BUFFER, 0, start, size);
+        }
     }
 
-    /// Deletes the copies.
-    pub fn delete(self, gl: &Gl) {
-        for kept in self.0 {
-            // SAFETY: a buffer of Cupola.
-            unsafe { gl.delete_buffers(1, &kept.copy) };
-        }
+    /// Deletes the copy.
+    pub(super) fn delete(self, gl: &Gl) {
+        // SAFETY: a buffer of Cupola.
+        unsafe { gl.delete_buffers(1, &self.copy) };
     }
 }
 
 /// The part of a buffer that is bound for shaders to change.
-struct Bound {
+#[derive(Clone, Copy)]
+pub(super) struct Bound {
     buffer: u32,
     start: i64,
     /// Bytes; `None`: up to the end of the buffer.
@@ -127,8 +86,13 @@ struct Bound {
 }
 
 impl Bound {
+    /// A part of a buffer that shaders use as an image. `length` in bytes; `None`: up to the end.
+    pub(super) fn part(buffer: u32, start: i64, length: Option<i64>) -> Self {
+        Self { buffer, start, length, largest: LARGEST }
+    }
+
     /// Returns what is bound; `None` if nothing is.
-    fn of(gl: &Gl, changed: ChangedBuffer) -> Option<Self> {
+    pub(super) fn of(gl: &Gl, changed: ChangedBuffer) -> Option<Self> {
         let (binding, names, size) = match changed {
             ChangedBuffer::Counters { binding, size } => (
                 binding,
@@ -163,8 +127,8 @@ impl Bound {
     }
 
     /// Copies the part; `None` if there is nothing, or too much.
-    fn keep(self, gl: &Gl) -> Option<Kept> {
-        let Self { buffer, start, length, largest } = self;
+    pub(super) fn keep(&self, gl: &Gl) -> Option<KeptBuffer> {
+        let Self { buffer, start, length, largest } = *self;
         let mut whole = 0i64;
         // SAFETY: a buffer that is bound; the copy gets the bytes that lie in both.
         unsafe {
@@ -174,7 +138,7 @@ impl Bound {
             let size = length.map_or(room, |length| length.min(room));
             if size > largest {
                 log::once(
-                    "shaders that draw the scene write to a storage buffer of more than 1 MiB: they write once for \
+                    "shaders that draw the scene write to a buffer of more than 1 MiB: they write once for \
                      each view",
                 );
             }
@@ -188,22 +152,7 @@ impl Bound {
             gl.bind_buffer(api::GL_COPY_WRITE_BUFFER, copy);
             gl.buffer_data(api::GL_COPY_WRITE_BUFFER, size, std::ptr::null(), api::GL_STREAM_COPY);
             gl.copy_buffer_sub_data(api::GL_COPY_READ_BUFFER, api::GL_COPY_WRITE_BUFFER, start, 0, size);
-            Some(Kept { buffer, start, size, copy })
+            Some(KeptBuffer { buffer, start, size, copy })
         }
-    }
-}
-
-/// Runs `work`, which copies values. The bindings for copies are restored.
-fn with_copies(gl: &Gl, work: impl FnOnce()) {
-    let before = [
-        (api::GL_COPY_READ_BUFFER, integer(gl, api::GL_COPY_READ_BUFFER_BINDING)),
-        (api::GL_COPY_WRITE_BUFFER, integer(gl, api::GL_COPY_WRITE_BUFFER_BINDING)),
-    ];
-    // SAFETY: the barrier makes the values of earlier draws visible to the copies.
-    unsafe { gl.memory_barrier(api::GL_BUFFER_UPDATE_BARRIER_BIT) };
-    work();
-    for (target, buffer) in before {
-        // SAFETY: a buffer that was bound.
-        unsafe { gl.bind_buffer(target, buffer as u32) };
     }
 }
