@@ -16,6 +16,7 @@ tests! {
     a_vulkan_program_that_differs_is_named,
     a_vulkan_node_leaves_out_views_of_others,
     a_vulkan_node_draws_everything_if_queries_count,
+    shaders_of_draws_write_the_same_on_all_vulkan_nodes,
     stopped_and_killed_nodes_do_not_stop_the_others,
 }
 
@@ -179,6 +180,27 @@ fn a_vulkan_node_draws_everything_if_queries_count() {
         assert_eq!(counts(&one), counts(&all), "node {node}");
         assert_eq!(draws_left_out(&one, node), 0, "node {node}");
     }
+}
+
+/// A node leaves a draw out of the views that it does not show, but not what its shaders write. This
+/// program's swapchain is older than its pipeline, so that there is no tile for its own picture.
+fn shaders_of_draws_write_the_same_on_all_vulkan_nodes() {
+    let Some(folder) = crate::programs::vulkan_apps() else { return };
+    let shell = ["sh", "-c", "exec \"$0\" \"$@\" --answers answers-${CUPOLA_NODE%/*}.txt"];
+    let Some(nodes) = on_nodes(folder, ("vk_writes", 4), "6", &["--stats", "stats.json"], &shell) else { return };
+    let text = nodes.text("answers-0.txt");
+    let first = crate::vulkan_queries::written(&text);
+    assert!(first["vertices"] == 4 * 36 && first["fragments"] > 0, "{first:?}");
+    for node in 1..6 {
+        let text = nodes.text(&format!("answers-{node}.txt"));
+        let mut other = crate::vulkan_queries::written(&text);
+        // Views have other sizes on other nodes.
+        for name in ["fragments", "sums"] {
+            assert!(other.insert(name, first[name]) > Some(0), "node {node}");
+        }
+        assert_eq!(other, first, "node {node}");
+    }
+    assert!((0..6).any(|node| draws_left_out(&nodes, node) > 0), "nothing is left out");
 }
 
 /// Child processes that run this program.

@@ -28,13 +28,14 @@ tests! {
 const RIG: &str = "identity-captured";
 
 /// Programs that use different parts of Cupola. The sample of faults uses the first.
-const WAYS: [(&str, &[&str]); 6] = [
+const WAYS: [(&str, &[&str]); 7] = [
     ("vk_cube", &["--follow", "--pass", "1", "--matrix", "push"]),
     ("vk_cube", &["--follow", "--pass", "dynamic", "--matrix", "block", "--samples", "4", "--once"]),
     ("vk_cube", &["--follow", "--pass", "imageless", "--matrix", "dynamic", "--secondary"]),
     ("vk_cube", &["--follow", "--pass", "2", "--matrix", "copied", "--srgb"]),
     ("vk_scenes", &["--way", "post"]),
     ("vk_queries", &[]),
+    ("vk_writes", &[]),
 ];
 
 type Way = (&'static str, &'static [&'static str]);

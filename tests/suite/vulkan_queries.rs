@@ -13,6 +13,7 @@ tests! {
     what_is_projected_straight_to_an_output_is_counted_like_the_program_s_own,
     a_draw_for_each_view_is_one_draw_to_its_queries,
     drawing_on_condition,
+    shaders_of_a_draw_write_once,
 }
 
 const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
@@ -22,6 +23,13 @@ const WAYS: [&[&str]; 3] = [&[], &["--spans", "yes"], &["--secondary", "yes"]];
 
 fn run<'a>(extra: &'a [&'a str]) -> Run<'a> {
     Run { extra, frames: 4, ..Run::new("vk_queries") }
+}
+
+/// What shaders wrote, by name.
+pub fn written(text: &str) -> BTreeMap<&str, u32> {
+    text.lines()
+        .filter_map(|line| line.split_once(' ').map(|(name, text)| (name, text.parse().expect("a number"))))
+        .collect()
 }
 
 /// Results by name: as the program read them, and as a command copied them.
@@ -109,6 +117,31 @@ fn a_draw_for_each_view_is_one_draw_to_its_queries() {
                 let picture = finished.picture("capture.png");
                 let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
                 expect_good(&report, &picture, &format!("vk_queries {way:?}"));
+            }
+        }
+    }
+}
+
+/// Shaders of a scene and of flat drawing count vertices and fragments in buffers and images. Each
+/// draw is issued for several views and for the panel, but counts once, in the program's own
+/// picture.
+fn shaders_of_a_draw_write_once() {
+    for way in [&[][..], &["--flat"], &["--libraries", "2"], &["--libraries", "4"]] {
+        let extra = [way, &["--again", "--answers", "answers.txt"]].concat();
+        let run = Run { extra: &extra, frames: 4, ..Run::new("vk_writes") };
+        let Some(plain) = run.vulkan_plain() else { return };
+        let plain = plain.expect_success().text("answers.txt");
+        let (own, area) = (written(&plain), 256 * 256);
+        let fragments = if way.contains(&"--flat") { area / 16 } else { area };
+        let expected = [("fragments", 4 * fragments), ("sums", 4 * fragments), ("vertices", 4 * 36), ("stored", 7)];
+        assert!(expected.iter().all(|(name, number)| own[name] == *number), "{way:?}: {own:?}");
+        for rig in ["fisheye", "planetarium-6", "identity-captured"] {
+            let Some(finished) = run.vulkan_under(rig) else { return };
+            assert_eq!(written(&finished.text("answers.txt")), own, "{way:?}, {rig}");
+            if rig == "fisheye" && !way.contains(&"--flat") {
+                let picture = finished.picture("capture.png");
+                let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
+                expect_good(&report, &picture, &format!("vk_writes {way:?}"));
             }
         }
     }

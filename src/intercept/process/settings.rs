@@ -213,11 +213,6 @@ impl Settings {
         self.place.as_ref().map_or(0, |place| place.number)
     }
 
-    /// True if other machines show outputs of the rig.
-    pub fn is_one_of_several(&self) -> bool {
-        self.place.is_some()
-    }
-
     /// True if something is written when the program ends.
     pub fn has_report(&self) -> bool {
         self.needs_statistics() || self.capture.is_some() || self.capture_views.is_some()

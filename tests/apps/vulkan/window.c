@@ -118,6 +118,8 @@ static void open_device(vulkan_window *w, bool newest)
                                            .features = {.occlusionQueryPrecise = newest,
                                                         .pipelineStatisticsQuery = newest,
                                                         .geometryShader = w->stages && there.geometryShader,
+                                                        .vertexPipelineStoresAndAtomics = w->writes,
+                                                        .fragmentStoresAndAtomics = w->writes,
                                                         .shaderStorageImageWriteWithoutFormat =
                                                             there.shaderStorageImageWriteWithoutFormat,
                                                         .shaderClipDistance = there.shaderClipDistance,
@@ -149,9 +151,10 @@ static void open_device(vulkan_window *w, bool newest)
 void window_open(vulkan_window *w, int x, int y, uint32_t width, uint32_t height, bool srgb, bool newest,
                  VkImageUsageFlags usage)
 {
-    const bool stages = w->stages, immediate = w->immediate, addresses = w->addresses;
+    const bool stages = w->stages, immediate = w->immediate, addresses = w->addresses, writes = w->writes;
     memset(w, 0, sizeof *w);
     w->stages = stages;
+    w->writes = writes;
     w->addresses = addresses;
     w->immediate = immediate;
     open_x11(w, x, y, width, height);

@@ -41,6 +41,7 @@ typedef struct {
     uint32_t family;
     window_extensions has;
     bool stages; /* geometry and tessellation shaders are enabled; set it before the window is opened */
+    bool writes; /* vertex and fragment shaders may write to buffers and images; set it before, too */
     bool addresses; /* addresses of buffers are enabled; set it before, too */
     bool immediate; /* pictures are shown at once, and vkQueuePresentKHR waits for that; set it before, too */
     VkSurfaceKHR surface;

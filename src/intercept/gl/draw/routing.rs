@@ -15,7 +15,7 @@ use crate::backend::gl::driver::api::Gl;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::draw::fallback;
-use crate::intercept::gl::framebuffer::target::enlarge::want_panel;
+use crate::intercept::gl::framebuffer::target::enlarge::{want_own_picture, want_panel};
 use crate::intercept::gl::offscreen::displayed;
 use crate::intercept::gl::offscreen::inspected::{self, Seen};
 use crate::intercept::gl::offscreen::{coverage, draws, sampling};
@@ -27,9 +27,9 @@ use crate::intercept::gl::per_view::window_space::{own_window_space, program_win
 use crate::intercept::gl::per_view::{self, backdrop, background, wide_primitives};
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::scaling;
-use crate::intercept::gl::shader::assembly;
 use crate::intercept::gl::shader::camera_matrices::upload;
 use crate::intercept::gl::shader::source::frag_coord;
+use crate::intercept::gl::shader::{assembly, changed};
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
@@ -93,6 +93,9 @@ fn draw_to_window(
     ctx.note_drawn();
     let Some(class) = perspective_or_flat(ctx, changes, issue) else { return };
     inspect(ctx, class, None);
+    if changed::any(&ctx.share, &ctx.shaders) {
+        want_own_picture(ctx);
+    }
     let shown = match ctx.session().and_then(Session::turn) {
         Some(view) => Views::only(view),
         None if ctx.queries.primitives() => Views::ALL,

@@ -5,7 +5,7 @@ use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::pipelines::create_info::Parts;
-use crate::intercept::vk::state::pipelines::{Pipeline, Pipelines};
+use crate::intercept::vk::state::pipelines::{Pipeline, Pipelines, TilePipelines};
 use crate::lock::Lock;
 use ash::vk;
 use std::sync::Arc;
@@ -23,11 +23,13 @@ impl Pipelines {
 impl Pipeline {
     fn destroy(&self, device: &Device) {
         let Some(variants) = &self.variants else { return };
-        // SAFETY: pipelines of Cupola; nothing uses them, since the program destroys its own.
-        unsafe {
-            device.driver.functions.destroy_pipeline(variants.panel, None);
-            if variants.view != variants.panel {
-                device.driver.functions.destroy_pipeline(variants.view, None);
+        for TilePipelines { view, panel } in [Some(variants.tiles), variants.quiet].into_iter().flatten() {
+            // SAFETY: pipelines of Cupola; nothing uses them, since the program destroys its own.
+            unsafe {
+                device.driver.functions.destroy_pipeline(panel, None);
+                if view != panel {
+                    device.driver.functions.destroy_pipeline(view, None);
+                }
             }
         }
     }

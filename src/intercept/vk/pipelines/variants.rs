@@ -2,16 +2,15 @@
 //! from libraries has variants that are linked from theirs.
 
 use crate::intercept::process::log;
-use crate::intercept::process::settings::{self, Settings};
 use crate::intercept::scene::obstacle::Obstacle;
+use crate::intercept::vk::pipelines::create::{self, Sources};
 use crate::intercept::vk::pipelines::{matrix_sources, view_stages};
 use crate::intercept::vk::projected_vertices;
 use crate::intercept::vk::spirv;
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::driver::structures::slice;
-use crate::intercept::vk::state::pipelines::create_info::{Parts, Relinked};
+use crate::intercept::vk::state::pipelines::create_info::Parts;
 use crate::intercept::vk::state::pipelines::stages::{name_of, words_of};
-use crate::intercept::vk::state::pipelines::{Pipeline, PipelineLayout, Variants};
+use crate::intercept::vk::state::pipelines::{Pipeline, PipelineLayout, TilePipelines, Variants};
 use ash::vk;
 use spirv_words::ExecutionModel;
 use std::sync::Arc;
@@ -85,13 +84,9 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
     let mut made = inherited(parts, &linked);
     let mut modules = Modules::new(device);
     let mut stages = parts.stages.clone();
-    let mut divided = None;
+    let mut divided = None::<Vec<_>>;
     // SAFETY: as promised; shader modules of Cupola are destroyed after the pipelines are made.
     unsafe {
-        // Only there it matters, and the shaders are read for it.
-        if settings::settings().is_some_and(Settings::is_one_of_several) {
-            made.writes |= parts.stages.iter().any(|stage| may_write(device, stage));
-        }
         if parts.places_vertices() {
             let (matrices, missing) = matrix_sources::before_rasterisation(device, &stages);
             made.matrices.extend(matrices);
@@ -122,17 +117,36 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
                 }
             }
         }
-        let undivided = || create_both(device, cache, parts, [&stages, &stages], &linked);
-        let pipelines = match &divided {
-            Some(of_views) => create_both(device, cache, parts, [of_views, &stages], &linked).or_else(|why| {
-                device.pipelines.divided.note_undivided(&why);
-                undivided()
-            }),
-            None => undivided(),
+        let quiet = modules.without_writes(&stages)?;
+        let quiet_divided = divided.as_ref().map(|stages| modules.without_writes(stages)).transpose()?.flatten();
+        made.writes |= quiet.is_some() || quiet_divided.is_some();
+        let create = |stages: [&[vk::PipelineShaderStageCreateInfo<'_>]; 2], of_library| {
+            create::create(device, cache, parts, &Sources { stages, linked: &linked, of_library })
         };
-        (made.view, made.panel) = pipelines?;
+        let mut of_views = divided.as_ref();
+        made.tiles = match of_views.map(|of_views| create([of_views, &stages], |library| library.tiles)) {
+            Some(Ok(tiles)) => tiles,
+            failed => {
+                if let Some(Err(why)) = failed {
+                    device.pipelines.divided.note_undivided(&why);
+                }
+                of_views = None;
+                create([&stages, &stages], |library| library.tiles)?
+            }
+        };
+        if made.writes {
+            device.pipelines.note_writes();
+            let of_panel = quiet.as_ref().unwrap_or(&stages);
+            let of_views = of_views.map_or(of_panel, |own| quiet_divided.as_ref().unwrap_or(own));
+            made.quiet = create([of_views, of_panel], Variants::without_writes).inspect_err(note_repeated).ok();
+        }
     }
     Ok(made)
+}
+
+/// Says that shaders write once for each view.
+fn note_repeated(why: &Obstacle) {
+    log::once(&format!("Vulkan: shaders of a pipeline write once for each view: {}", why.reason().unwrap_or_default()));
 }
 
 /// Returns the properties of variants whose pipelines are not made yet, from the variants of
@@ -140,8 +154,8 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
 fn inherited(parts: &Parts<'_>, linked: &[Arc<Pipeline>]) -> Variants {
     let libraries = || linked.iter().filter_map(|library| library.variants.as_ref());
     Variants {
-        view: vk::Pipeline::null(),
-        panel: vk::Pipeline::null(),
+        tiles: TilePipelines::default(),
+        quiet: None,
         follows: libraries().any(|library| library.follows),
         matrices: libraries().flat_map(|library| library.matrices.iter().copied()).collect(),
         missing_lens: libraries().map(|library| library.missing_lens).max().unwrap_or_default(),
@@ -194,20 +208,10 @@ unsafe fn change_stages(
     Ok(Some((index, words)))
 }
 
-/// True if a stage may write to buffers or images.
-///
-/// # Safety
-/// `stage` must be the program's.
-unsafe fn may_write(device: &Device, stage: &vk::PipelineShaderStageCreateInfo<'_>) -> bool {
-    // SAFETY: as promised.
-    let used = unsafe { words_of(device, stage) }.and_then(|words| spirv::compute_use(&words));
-    used.is_none_or(|used| used.writes())
-}
-
 /// Shader modules of Cupola, which are needed until the pipelines are made.
 pub struct Modules<'a> {
     device: &'a Device,
-    made: Vec<vk::ShaderModule>,
+    made: Vec<(vk::ShaderModule, Vec<u32>)>,
 }
 
 impl<'a> Modules<'a> {
@@ -224,7 +228,7 @@ impl<'a> Modules<'a> {
         let info = vk::ShaderModuleCreateInfo::default().code(words);
         // SAFETY: the device is live.
         let made = unsafe { self.device.driver.functions.create_shader_module(&info, None) };
-        self.made.extend(made);
+        self.made.extend(made.map(|module| (module, words.to_vec())));
         made.map_err(|error| error.to_string().into())
     }
 
@@ -237,11 +241,38 @@ impl<'a> Modules<'a> {
         stage.p_next = std::ptr::null();
         Ok(())
     }
+
+    /// Returns the stages with shaders that do not write to buffers and images; `None` if no shader
+    /// does.
+    ///
+    /// # Errors
+    /// The driver's.
+    ///
+    /// # Safety
+    /// `stages` must be the program's, or have modules of this list.
+    unsafe fn without_writes<'s>(
+        &mut self,
+        stages: &[vk::PipelineShaderStageCreateInfo<'s>],
+    ) -> Result<Option<Vec<vk::PipelineShaderStageCreateInfo<'s>>>, Obstacle> {
+        let mut changed = None;
+        for (index, stage) in stages.iter().enumerate() {
+            let made = self.made.iter().find(|(module, _)| *module == stage.module);
+            let words = match made {
+                Some((_, words)) => spirv::without_writes(words),
+                // SAFETY: as promised: the stage is the program's.
+                None => unsafe { words_of(self.device, stage) }.and_then(|words| spirv::without_writes(&words)),
+            };
+            if let Some(words) = words {
+                self.replace(&mut changed.get_or_insert_with(|| stages.to_vec())[index], &words)?;
+            }
+        }
+        Ok(changed)
+    }
 }
 
 impl Drop for Modules<'_> {
     fn drop(&mut self) {
-        for module in self.made.drain(..) {
+        for (module, _) in self.made.drain(..) {
             // SAFETY: a module of Cupola; pipelines do not need it once they are made.
             unsafe { self.device.driver.functions.destroy_shader_module(module, None) };
         }
@@ -291,108 +322,4 @@ unsafe fn spliced(
     let changed = changed.filter(|(at, _)| *at == index).map(|(_, words)| words.into());
     let words = changed.or(words).ok_or("a shader whose words are not known")?;
     Ok((index, spirv::splice(&words, model, &entry, ours, device.view_constants.have_lenses())?))
-}
-
-/// Returns blending in which the alpha of the panel collects how much of it is covered. The
-/// composition needs this.
-fn covering(blend: &vk::PipelineColorBlendAttachmentState) -> vk::PipelineColorBlendAttachmentState {
-    let mut changed = *blend;
-    if blend.blend_enable == vk::TRUE {
-        let covers = blend.dst_color_blend_factor == vk::BlendFactor::ONE_MINUS_SRC_ALPHA;
-        let (source, destination) = if covers {
-            (vk::BlendFactor::ONE, vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
-        } else {
-            (vk::BlendFactor::ZERO, vk::BlendFactor::ONE)
-        };
-        changed = changed.src_alpha_blend_factor(source).dst_alpha_blend_factor(destination);
-        changed.alpha_blend_op = vk::BlendOp::ADD;
-    }
-    if !changed.color_write_mask.is_empty() {
-        changed.color_write_mask |= vk::ColorComponentFlags::A;
-    }
-    changed
-}
-
-/// Makes the pipelines for a view and for the panel, each with its stages. They are the same
-/// pipeline if there is no difference.
-///
-/// # Errors
-/// The request that the driver refuses, or the library that cannot be linked.
-///
-/// # Safety
-/// As for [`make`]; `stages` and libraries must be of the same pipeline.
-unsafe fn create_both(
-    device: &Device,
-    cache: vk::PipelineCache,
-    parts: &Parts<'_>,
-    stages: [&[vk::PipelineShaderStageCreateInfo<'_>]; 2],
-    linked: &[Arc<Pipeline>],
-) -> Result<(vk::Pipeline, vk::Pipeline), Obstacle> {
-    use vk::DynamicState as D;
-    let mut states = parts.dynamic.to_vec();
-    for (plain, with_count) in [(D::VIEWPORT, D::VIEWPORT_WITH_COUNT), (D::SCISSOR, D::SCISSOR_WITH_COUNT)] {
-        if parts.places_vertices() && !states.contains(&plain) && !states.contains(&with_count) {
-            states.push(plain);
-        }
-    }
-    let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&states);
-    // A variant is not a derivative, and must be made in any case.
-    let dropped = vk::PipelineCreateFlags::DERIVATIVE
-        | vk::PipelineCreateFlags::FAIL_ON_PIPELINE_COMPILE_REQUIRED
-        | vk::PipelineCreateFlags::EARLY_RETURN_ON_FAILURE;
-    let mut changed = (*parts.info).stages(stages[0]).dynamic_state(&dynamic).flags(parts.info.flags & !dropped);
-    changed.base_pipeline_handle = vk::Pipeline::null();
-    changed.base_pipeline_index = -1;
-    let create = |mut info: vk::GraphicsPipelineCreateInfo<'_>, of: fn(&Variants) -> vk::Pipeline| {
-        let libraries: Vec<_> = linked.iter().filter_map(|library| library.variants.as_ref()).map(of).collect();
-        // SAFETY: as promised; the structures differ only in the fields that are set here.
-        unsafe {
-            let chain = Some(info.p_next).filter(|_| !libraries.is_empty());
-            let chain = chain.map(|chain| Relinked::new(chain, libraries).ok_or("unknown structures in a chain"));
-            let chain = chain.transpose()?;
-            info.p_next = chain.as_ref().map_or(info.p_next, Relinked::first);
-            let mut made = vk::Pipeline::null();
-            let create = device.driver.functions.fp_v1_0().create_graphics_pipelines;
-            let result = create(device.driver.functions.handle(), cache, 1, &info, std::ptr::null(), &mut made);
-            result.result_with_success(made).map_err(|error| format!("the driver refuses a pipeline: {error}"))
-        }
-    };
-    let view = create(changed, |variants| variants.view)?;
-    // SAFETY: the program's array.
-    let blends = parts.blend.map(|blend| unsafe { slice(blend.p_attachments, blend.attachment_count) });
-    let opaque = |b: &vk::PipelineColorBlendAttachmentState| {
-        b.blend_enable == vk::FALSE && b.color_write_mask.contains(vk::ColorComponentFlags::A)
-    };
-    let mut variants = linked.iter().filter_map(|library| library.variants.as_ref());
-    let alike = stages[0].len() == stages[1].len() && blends.unwrap_or_default().iter().all(opaque);
-    if alike && variants.all(|library| library.view == library.panel) {
-        return Ok((view, view));
-    }
-    let attachments: Vec<_> = blends.unwrap_or_default().iter().map(covering).collect();
-    let blend = parts.blend.map(|blend| (*blend).attachments(&attachments));
-    changed = changed.stages(stages[1]);
-    if let Some(blend) = &blend {
-        changed = changed.color_blend_state(blend);
-    }
-    // SAFETY: a pipeline of Cupola that nothing uses yet.
-    let undone = |_: &String| unsafe { device.driver.functions.destroy_pipeline(view, None) };
-    Ok((view, create(changed, |variants| variants.panel).inspect_err(undone)?))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::covering;
-    use ash::vk;
-
-    #[test]
-    fn the_panels_alpha_collects_what_covers_it() {
-        let opaque = vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
-        assert_eq!(covering(&opaque).src_alpha_blend_factor, opaque.src_alpha_blend_factor);
-        let translucent = opaque.blend_enable(true).dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA);
-        assert_eq!(covering(&translucent).src_alpha_blend_factor, vk::BlendFactor::ONE);
-        let additive = opaque.blend_enable(true).dst_color_blend_factor(vk::BlendFactor::ONE);
-        assert_eq!(covering(&additive).dst_alpha_blend_factor, vk::BlendFactor::ONE, "light covers nothing");
-        let colours = vk::ColorComponentFlags::R | vk::ColorComponentFlags::G | vk::ColorComponentFlags::B;
-        assert!(covering(&opaque.color_write_mask(colours)).color_write_mask.contains(vk::ColorComponentFlags::A));
-    }
 }

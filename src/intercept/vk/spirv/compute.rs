@@ -1,4 +1,8 @@
-//! Images and buffers that a compute shader reads and writes.
+//! Images and buffers that a shader reads and writes.
+
+mod without_writes;
+
+pub use without_writes::without_writes;
 
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
 use crate::intercept::vk::spirv::texels::DescriptorPlace;
@@ -17,7 +21,7 @@ pub enum BufferWrites {
     Places,
 }
 
-/// Images and buffers that a compute shader reads and writes.
+/// Images and buffers that a shader reads and writes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ComputeUse {
     /// Descriptors of the images that it samples, fetches from or loads.
@@ -28,13 +32,6 @@ pub struct ComputeUse {
     pub image_atomics: bool,
     /// Kind of its writes to buffers.
     pub buffers: BufferWrites,
-}
-
-impl ComputeUse {
-    /// True if it writes to anything.
-    pub fn writes(&self) -> bool {
-        !self.written.is_empty() || self.image_atomics || self.buffers != BufferWrites::Nothing
-    }
 }
 
 /// Greatest number of steps in the search for the origins of a value.
@@ -180,20 +177,35 @@ impl Origins {
     }
 }
 
+/// Storage classes of the pointers of a module.
+struct Pointers(HashMap<u32, u32>);
+
+impl Pointers {
+    fn of(all: &[Instruction<'_>], declared: &Declarations<'_>) -> Self {
+        let pointers = all.iter().filter(|i| i.operands.len() > 1);
+        Self(
+            pointers
+                .filter_map(|i| Some((i.operand(1), declared.get(i.operand(0), Op::TypePointer)?.operand(1))))
+                .collect(),
+        )
+    }
+
+    /// Returns the storage class of a pointer.
+    fn class(&self, pointer: u32) -> Option<u32> {
+        self.0.get(&pointer).copied()
+    }
+
+    /// True if a pointer points into a buffer.
+    fn in_buffer(&self, pointer: u32) -> bool {
+        let buffers = [StorageClass::StorageBuffer, StorageClass::Uniform, StorageClass::PhysicalStorageBuffer];
+        self.class(pointer).is_some_and(|class| buffers.iter().any(|known| *known as u32 == class))
+    }
+}
+
 /// Returns the kind of writes through pointers into buffers, or to images of buffers.
 fn buffers(all: &[Instruction<'_>], declared: &Declarations<'_>) -> BufferWrites {
-    let mut kinds: HashMap<u32, u32> = HashMap::new();
-    for i in all.iter().filter(|i| i.operands.len() > 1) {
-        if declared.get(i.operand(0), Op::TypePointer).is_some() {
-            kinds.insert(i.operand(1), i.operand(0));
-        }
-    }
-    let in_buffer = |pointer: u32| {
-        let kind = kinds.get(&pointer).and_then(|kind| declared.get(*kind, Op::TypePointer));
-        let class = kind.map(|kind| kind.operand(1));
-        let shared = [StorageClass::StorageBuffer, StorageClass::Uniform, StorageClass::PhysicalStorageBuffer];
-        class.is_some_and(|class| shared.iter().any(|known| *known as u32 == class))
-    };
+    let pointers = Pointers::of(all, declared);
+    let in_buffer = |pointer| pointers.in_buffer(pointer);
     let of_buffers = declared
         .by_id
         .values()

@@ -16,7 +16,7 @@ mod splice;
 mod texels;
 
 pub use camera_matrices::{CAMERA_BYTES, Chosen, MOST_CAMERAS, camera_matrices};
-pub use compute::{BufferWrites, ComputeUse, compute_use};
+pub use compute::{BufferWrites, ComputeUse, compute_use, without_writes};
 pub use frag_coord::frag_coord;
 pub use reflect::{Matrix, Memory, asks_place, attribute_matrices, matrices, missing_lens};
 pub use splice::splice;

@@ -32,12 +32,16 @@ impl Swapchain {
 
     /// Applies the rig as its file is now, before a picture is made. If only the correction
     /// changes, it is made again. The program's images fit the old views, so other views need a new
-    /// swapchain. Returns whether the program should be asked for a new swapchain. If planning or
+    /// swapchain, and so does the program's own picture, in which shaders write. Returns whether the
+    /// program should be asked for a new swapchain. If planning or
     /// making fails, nothing changes.
     ///
     /// # Safety
     /// The device must be live, and no other thread may present this swapchain meanwhile.
     pub unsafe fn follow_rig(&mut self, device: &Device) -> bool {
+        if self.stand_in.as_ref().is_some_and(|stand_in| device.pipelines.write() && !stand_in.layout.read) {
+            return true;
+        }
         let version = live::version();
         let Some(stand_in) = self.stand_in.as_mut().filter(|_| !self.failed && self.version != version) else {
             return false;
@@ -263,7 +267,7 @@ unsafe fn build(
         }
         Some((live, settings)) => {
             let size = (info.image_extent.width, info.image_extent.height);
-            let read = info.image_usage.contains(vk::ImageUsageFlags::TRANSFER_SRC);
+            let read = info.image_usage.contains(vk::ImageUsageFlags::TRANSFER_SRC) || device.pipelines.write();
             let layout = match device.swapchains.layout(size, read).filter(|known| known.version == live.version) {
                 Some(known) => known,
                 None => {

@@ -22,6 +22,13 @@ pub fn want_panel(ctx: &mut Context) {
     }
 }
 
+/// Adds the program's own picture, for reads of the window and for what shaders write in it.
+pub fn want_own_picture(ctx: &mut Context) {
+    if ctx.drawable.target().is_some_and(|target| target.own_picture().is_none()) {
+        enlarge(ctx, |extras| extras.primary = true);
+    }
+}
+
 /// Makes a new plan with more tiles. Earlier drawing moves to its new tiles.
 pub fn enlarge(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
     enlarge_now(&mut OwnCalls::begin(ctx), add);
@@ -54,7 +61,7 @@ fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
             old.destroy(gl);
         }
         Err(error) => {
-            log::once(&format!("the flat panel, or the picture for reads of the window, cannot be made: {error}"));
+            log::once(&format!("the flat panel, or the program's own picture, cannot be made: {error}"));
             ctx.drawable.put_target(old);
         }
     }

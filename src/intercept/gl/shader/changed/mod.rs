@@ -1,6 +1,6 @@
 //! What the shaders of a draw write: atomic counters and storage [`buffers`], and [`images`]. A
 //! draw that is issued several times changes them once: each time begins with the same values, so
-//! that those of the last time remain.
+//! that those of the last time remain, which is the program's own picture.
 
 pub mod buffers;
 pub mod images;
@@ -16,6 +16,27 @@ use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::programs::{ChangedBuffer, Program};
 
+/// Runs `work` with the programs whose shaders draw.
+fn with_programs<T>(
+    share: &ShareGroup,
+    shaders: &Shaders,
+    work: impl FnOnce(&mut dyn Iterator<Item = &Program>) -> T,
+) -> T {
+    if shaders.used() != 0 || shaders.bound_pipeline() == 0 {
+        return work(&mut shaders.program().into_iter().map(|program| &**program));
+    }
+    let stages = shaders.stages();
+    let names = stages.last_first().into_iter().chain([stages.fragment()]);
+    let programs: Vec<_> = names.filter_map(|name| programs::record(share, name)).collect();
+    work(&mut programs.iter().map(|program| &**program))
+}
+
+/// True if the present shaders may change something.
+pub fn any(share: &ShareGroup, shaders: &Shaders) -> bool {
+    let changes = |program: &Program| !program.changed_buffers.is_empty() || !program.written_images.is_empty();
+    with_programs(share, shaders, |mut programs| Iterator::any(&mut programs, changes))
+}
+
 /// What the present shaders change.
 #[derive(Default)]
 pub struct Changed {
@@ -26,33 +47,26 @@ pub struct Changed {
 impl Changed {
     /// Returns what the present shaders change.
     pub fn present(share: &ShareGroup, driver: &mut Driver, shaders: &Shaders) -> Self {
-        if shaders.used() != 0 || shaders.bound_pipeline() == 0 {
-            return shaders.program().map_or(Self::default(), |program| Self::of(driver, std::iter::once(&**program)));
+        if !any(share, shaders) {
+            return Self::default();
         }
-        let stages = shaders.stages();
-        let names = stages.last_first().into_iter().chain([stages.fragment()]);
-        let programs: Vec<_> = names.filter_map(|name| programs::record(share, name)).collect();
-        Self::of(driver, programs.iter().map(|program| &**program))
-    }
-
-    /// Returns what the shaders of these programs change.
-    fn of<'a>(driver: &mut Driver, programs: impl Iterator<Item = &'a Program> + Clone) -> Self {
-        let mut buffers: Vec<ChangedBuffer> =
-            programs.clone().flat_map(|program| program.changed_buffers.clone()).collect();
+        let (mut buffers, mut written) = (Vec::new(), Vec::new());
+        with_programs(share, shaders, |programs| {
+            for program in programs {
+                buffers.extend(&program.changed_buffers);
+                written.extend(&program.written_images);
+            }
+        });
         // Stages that share counters may need different parts of them: the largest comes first.
-        buffers.sort_unstable_by(|one, other| other.cmp(one));
+        buffers.sort_unstable_by(|one: &ChangedBuffer, other| other.cmp(one));
         buffers.dedup_by(|next, kept| match (&next, &kept) {
             (ChangedBuffer::Counters { binding: next, .. }, ChangedBuffer::Counters { binding: kept, .. }) => {
                 next == kept
             }
             _ => next == kept,
         });
-        let mut written = programs.flat_map(|program| &program.written_images).peekable();
-        if written.peek().is_none() {
-            return Self { buffers, images: Vec::new() };
-        }
         driver.take_errors();
-        let images = written.filter_map(|image| images::bound(driver.gl, *image)).collect();
+        let images = written.into_iter().filter_map(|image| images::bound(driver.gl, image)).collect();
         drop_errors(driver.gl);
         Self { buffers, images }
     }

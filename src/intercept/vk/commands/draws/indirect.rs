@@ -15,16 +15,19 @@ use crate::intercept::vk::state::views::view_constants::SlotParts;
 const FEWEST: u32 = 1 << 10;
 
 /// Takes memory for the parameters of a draw that is issued with `slots` slots; `None` if that is
-/// not worth it, or if there is no memory.
+/// not worth it, or if there is no memory. `writes`: its shaders write to buffers or images, so that
+/// it must run only where it is in sight.
 pub fn place(
     device: &Device,
     recording: &mut Recording,
     parameters: &DrawParameters,
     slots: u32,
+    writes: bool,
 ) -> Option<IndirectDraw> {
-    let settings = settings::settings().filter(|settings| settings.cull)?;
-    let covers_viewport = parameters.vertices() < FEWEST && !settings.cull_all;
-    if covers_viewport || parameters.first_instance() != 0 {
+    let is_large = |all| all || parameters.vertices() >= FEWEST;
+    let culled =
+        settings::settings().filter(|settings| settings.cull).is_some_and(|settings| is_large(settings.cull_all));
+    if !culled && !writes || parameters.first_instance() != 0 {
         return None;
     }
     // A multiple of the slot size, so that later slots lie at offsets that descriptors allow.

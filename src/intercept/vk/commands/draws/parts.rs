@@ -49,6 +49,7 @@ pub unsafe fn measure(
         let (width, height) = (right.min(arm.x + arm.width) - x, bottom.min(arm.y + arm.height) - y);
         AtlasRect { x, y, width, height }.to_vk()
     };
+    let without_writes = tiles.variants.without_writes();
     let panel = ViewTile { rect: layout.panel, own_lens: true };
     let areas = std::iter::once(whole).chain(picture.arms().map(AtlasRect::from));
     for (query, area) in (0..).zip(areas) {
@@ -56,7 +57,7 @@ pub unsafe fn measure(
         // SAFETY: as promised.
         unsafe {
             functions.cmd_begin_query(tiles.buffer, block.pool, query, vk::QueryControlFlags::PRECISE);
-            tiles.issue(tiles.variants.panel, slot, &panel, &[], 0, issue);
+            tiles.issue(without_writes.panel, slot, &panel, &[], 0, issue);
             functions.cmd_end_query(tiles.buffer, block.pool, query);
         }
     }

@@ -67,8 +67,17 @@ struct Selected {
     views: usize,
     /// True if it is issued to all of them, also to those that only other machines show.
     all: bool,
+    /// True if it is issued to the first view in any case, where its shaders write.
+    writes: bool,
     on_panel: bool,
     indirect: Option<IndirectDraw>,
+}
+
+impl Selected {
+    /// True if the draw is issued to a view.
+    fn shows(&self, layout: &AtlasLayout, view: usize) -> bool {
+        self.all || layout.is_needed(view) || (self.writes && view == 0)
+    }
 }
 
 /// Issues a draw to each view, onto the panel and into the primary view.
@@ -93,12 +102,12 @@ pub unsafe fn draw_to_views(draw: &ProgramDraw<'_>, recording: &mut Recording) {
         let Some(selected) = select(draw, recording, variants, &layout, facts) else {
             return issue_flat(draw, recording, &layout);
         };
-        let Selected { constants, views, all, on_panel, indirect } = selected;
+        let Selected { constants, views, on_panel, indirect, .. } = selected;
         let (device, buffer, pipeline, window) = (draw.device, draw.buffer, draw.pipeline, layout.window);
         part.into_iter().for_each(|part| parts::clear_part(device, buffer, &layout, part));
         let mut tiles =
             TileDraws { device, buffer, recording, pipeline, variants, constants, program, window, part, indirect };
-        let shown = |view: &usize| all || layout.is_needed(*view);
+        let shown = |view: &usize| selected.shows(&layout, *view);
         issue(&mut tiles, &layout, (views, &shown), on_panel, sets, draw.issue);
         if let Some(block) = measured {
             parts::measure(&mut tiles, &layout, views + 1, block, draw.issue);
@@ -339,20 +348,22 @@ fn select(
     // What queries count and what shaders write must not depend on the machine. Draws outside of a
     // query may hide what it counts.
     let counts = device.queries.have_counted();
-    let all = counts || variants.writes || settings::settings().is_none_or(|settings| !settings.cull);
+    let repeats = variants.writes && variants.quiet.is_none();
+    let all = counts || repeats || settings::settings().is_none_or(|settings| !settings.cull);
     let index = recording.draw_groups.len() - 1;
     let indirect = match &draw.size {
-        DrawSize::Known(parameters) => indirect::place(device, recording, parameters, slots as u32),
+        DrawSize::Known(parameters) => indirect::place(device, recording, parameters, slots as u32, variants.writes),
         DrawSize::Unknown => None,
     };
     let group = &mut recording.draw_groups[index];
     group.draws += 1;
-    group.elsewhere += (0..views).filter(|view| !all && !layout.is_needed(*view)).count() as u64;
-    group.indirect.extend(indirect);
     let (constants, on_panel) = (group.constants, group.is_on_panel());
+    let selected = Selected { constants, views, all, writes: variants.writes, on_panel, indirect };
+    group.elsewhere += (0..views).filter(|view| !selected.shows(layout, *view)).count() as u64;
+    group.indirect.extend(indirect);
     let times = views + usize::from(on_panel) + usize::from(layout.primary.is_some());
     count_draw(recording, Some(index), draw.size.vertices(), indirect.is_none().then_some(times as u32));
-    Some(Selected { constants, views, all, on_panel, indirect })
+    Some(selected)
 }
 
 /// Issues a draw into the tiles of those of the first `views` views that are `shown`, onto the panel
@@ -368,20 +379,24 @@ unsafe fn issue(
     mut sets: Vec<PerViewSet>,
     own: &dyn Fn(),
 ) {
-    let (in_view, on_glass) = (tiles.variants.view, tiles.variants.panel);
+    // Shaders write once: in the primary view, or else in the first view, if the draw is part of the
+    // scene, or on the panel, if it is flat.
+    let (writing, quiet) = (tiles.variants.tiles, tiles.variants.without_writes());
+    let others = if layout.primary.is_some() { quiet } else { writing };
     let window_space = |rect| ViewTile { rect, own_lens: true };
     // SAFETY: as promised.
     unsafe {
         for (index, tile) in layout.views.iter().enumerate().take(views).filter(|(index, _)| shown(index)) {
-            tiles.issue(in_view, index, tile, &sets, index, own);
+            let by = if index == 0 { others.view } else { quiet.view };
+            tiles.issue(by, index, tile, &sets, index, own);
         }
         tiles.unbind(&sets);
         sets.retain(|set| set.attachments);
         if on_panel {
-            tiles.issue(on_glass, views, &window_space(layout.panel), &sets, 0, own);
+            tiles.issue(others.panel, views, &window_space(layout.panel), &sets, 0, own);
         }
         if let Some(primary) = layout.primary {
-            tiles.issue(in_view, views + 1, &window_space(primary), &sets, 0, own);
+            tiles.issue(writing.view, views + 1, &window_space(primary), &sets, 0, own);
         }
         tiles.unbind(&sets);
     }

@@ -1,7 +1,8 @@
 //! Images and buffers that compute shaders read and write, in handmade modules.
 
 use super::module;
-use crate::intercept::vk::spirv::{BufferWrites, ComputeUse, compute_use};
+use crate::intercept::vk::spirv::module::instructions;
+use crate::intercept::vk::spirv::{BufferWrites, ComputeUse, compute_use, without_writes};
 use crate::testing::random::Random;
 use spirv::{Decoration, Dim, ExecutionModel, Op, StorageClass};
 
@@ -86,6 +87,38 @@ fn buffers_that_are_written() {
     assert!(used(&[(Op::ImageTexelPointer as u32, &[13, 47, 21, 24, 24])]).image_atomics);
 }
 
+/// Opcodes and operands of the function's body.
+fn body(words: &[u32]) -> Vec<(u32, Vec<u32>)> {
+    let all = instructions(words).expect("a module");
+    let body = all.iter().skip_while(|i| !i.is(Op::Label)).skip(1);
+    body.map(|i| (i.opcode, i.operands.to_vec())).collect()
+}
+
+#[test]
+fn shaders_without_their_writes() {
+    let reads = [&LOADS[..], &[FETCH, READ, CHAIN]].concat();
+    assert_eq!(without_writes(&stage(&reads)), None, "it writes nothing");
+    let writing = stage(&[&reads[..], &[STORE, write(&[42, 24, 43])]].concat());
+    let quiet = without_writes(&writing).expect("it writes");
+    assert_eq!(body(&quiet), body(&stage(&[LOADS[1], READ])), "the other instructions only served the writes");
+    assert_eq!(without_writes(&quiet), None);
+    // The result of an atomic instruction becomes a constant. Nothing needs the pointer any more.
+    let quiet = without_writes(&stage(&[CHAIN, ADD])).expect("it writes");
+    assert_eq!(body(&quiet), body(&stage(&[])));
+    let all = instructions(&quiet).expect("a module");
+    let at = |op: Op| all.iter().position(|i| i.is(op)).expect("such an instruction");
+    assert_eq!(all[at(Op::ConstantNull)].operands, [10, 46]);
+    assert!(at(Op::ConstantNull) < at(Op::Function));
+    // What only serves a write is removed with it, but not what something else uses.
+    let load = (Op::Load as u32, &[10, 50, 45][..]);
+    let sum = |from: &'static [u32]| (Op::IAdd as u32, from);
+    let chained = [CHAIN, load, sum(&[10, 51, 50, 24]), (Op::Store as u32, &[45, 51])];
+    assert_eq!(body(&without_writes(&stage(&chained)).expect("it writes")), body(&stage(&[])));
+    let used = [&chained[..], &[sum(&[10, 52, 50, 50])]].concat();
+    let left = [CHAIN, load, sum(&[10, 52, 50, 50])];
+    assert_eq!(body(&without_writes(&stage(&used)).expect("it writes")), body(&stage(&left)));
+}
+
 /// A damaged module does no harm.
 #[test]
 fn damaged_modules_do_no_harm() {
@@ -98,5 +131,6 @@ fn damaged_modules_do_no_harm() {
             damaged[at] ^= 1 << random.below(32);
         }
         let _ = compute_use(&damaged);
+        let _ = without_writes(&damaged);
     }
 }

@@ -13,6 +13,7 @@ use crate::lock::Lock;
 use crate::runtime::session::ViewMatrix;
 use ash::vk;
 use std::collections::{BTreeMap, HashMap};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 
 /// A pipeline layout. The driver's object lives as long as a pipeline needs it, even if the program
@@ -93,14 +94,24 @@ pub struct InstanceColumn {
     pub(in crate::intercept::vk) stride: u32,
 }
 
-/// The pipelines for the views. Their viewport and scissor are set by commands.
-pub struct Variants {
+/// The pipelines that draw into the tiles. Their viewport and scissor are set by commands.
+#[derive(Clone, Copy, Default)]
+pub struct TilePipelines {
     /// Draws into a view, and into the primary view.
     pub(in crate::intercept::vk) view: vk::Pipeline,
-    /// True if its shader reprojects. If the shader cannot be followed, the draws are flat.
-    pub(in crate::intercept::vk) follows: bool,
     /// Draws onto the panel.
     pub(in crate::intercept::vk) panel: vk::Pipeline,
+}
+
+/// The variants of a pipeline.
+pub struct Variants {
+    /// The pipelines of the tiles.
+    pub(in crate::intercept::vk) tiles: TilePipelines,
+    /// The same with shaders that do not write to buffers and images; `None` if they do not write,
+    /// or if the driver refuses these.
+    pub(in crate::intercept::vk) quiet: Option<TilePipelines>,
+    /// True if its shader reprojects. If the shader cannot be followed, the draws are flat.
+    pub(in crate::intercept::vk) follows: bool,
     /// Locations of the matrices that its shaders read.
     pub(in crate::intercept::vk) matrices: Vec<Matrix>,
     /// Reason why its draws have no lens, if there are no matrices.
@@ -117,8 +128,16 @@ pub struct Variants {
     pub(in crate::intercept::vk) cameras: Vec<CameraMatrix>,
     /// True if it tests depth.
     pub(in crate::intercept::vk) deep: bool,
-    /// True if its shaders may write to buffers or images. Not looked for on a single machine.
+    /// True if its shaders may write to buffers or images.
     pub(in crate::intercept::vk) writes: bool,
+}
+
+impl Variants {
+    /// The pipelines of the tiles in which shaders do not write to buffers and images, as far as
+    /// there are such pipelines.
+    pub fn without_writes(&self) -> TilePipelines {
+        self.quiet.unwrap_or(self.tiles)
+    }
 }
 
 /// A stage in which Cupola chooses matrices.
@@ -169,6 +188,8 @@ pub struct Pipelines {
     pub(in crate::intercept::vk) all: Mutex<HashMap<vk::Pipeline, Arc<Pipeline>>>,
     /// Statistics of pipelines that divide primitives, or should.
     pub(in crate::intercept::vk) divided: DivisionStatistics,
+    /// True if shaders of a pipeline may write to buffers or images.
+    write: AtomicBool,
 }
 
 /// Statistics of division.
@@ -204,6 +225,17 @@ impl DivisionStatistics {
 }
 
 impl Pipelines {
+    /// Notes a pipeline whose shaders may write to buffers or images.
+    pub fn note_writes(&self) {
+        self.write.store(true, Ordering::Relaxed);
+    }
+
+    /// True if shaders of a pipeline may write to buffers or images. They write in the program's own
+    /// picture, which is needed for that.
+    pub fn write(&self) -> bool {
+        self.write.load(Ordering::Relaxed)
+    }
+
     /// Returns a compute pipeline.
     pub fn computing(&self, handle: vk::Pipeline) -> Option<Arc<ComputePipeline>> {
         self.computing.locked().get(&handle).cloned()

@@ -130,7 +130,7 @@ pub struct AtlasLayout {
     pub panel: AtlasRect,
     /// A tile with the program's own picture, beside the views, if the program may read its window.
     pub primary: Option<AtlasRect>,
-    /// True if the program may read its own picture.
+    /// True if the program may read its own picture, or if its shaders write in it.
     pub read: bool,
     /// The tiles of the views.
     pub views: Vec<ViewTile>,
