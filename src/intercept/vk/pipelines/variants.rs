@@ -66,6 +66,9 @@ fn linked_libraries(device: &Device, parts: &Parts<'_>) -> Result<Linked, Obstac
     Ok((linked, layout))
 }
 
+/// Shaders of a pipeline.
+type Stages<'a> = Vec<vk::PipelineShaderStageCreateInfo<'a>>;
+
 /// The libraries that a pipeline is linked from, and its layout.
 type Linked = (Vec<Arc<Pipeline>>, Option<Arc<PipelineLayout>>);
 
@@ -84,7 +87,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
     let mut made = inherited(parts, &linked);
     let mut modules = Modules::new(device);
     let mut stages = parts.stages.clone();
-    let mut divided = None::<Vec<_>>;
+    let mut dividing = None;
     // SAFETY: as promised; shader modules of Cupola are destroyed after the pipelines are made.
     unsafe {
         if parts.places_vertices() {
@@ -106,7 +109,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
                     made.follows = true;
                     match projected_vertices::dividing_stage(device, parts, &layout) {
                         Ok(None) => {}
-                        Ok(Some(words)) => divided = Some(with_stage(&own_stages, modules.make(&words)?)),
+                        Ok(Some(words)) => dividing = Some(modules.make(&words)?),
                         Err(why) => device.pipelines.divided.note_undivided(&why),
                     }
                 }
@@ -117,31 +120,63 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
                 }
             }
         }
-        let quiet = modules.without_writes(&stages)?;
-        let quiet_divided = divided.as_ref().map(|stages| modules.without_writes(stages)).transpose()?.flatten();
-        made.writes |= quiet.is_some() || quiet_divided.is_some();
+        create_all(device, cache, parts, &linked, &mut modules, (&stages, &own_stages, dividing), &mut made)?;
+    }
+    Ok(made)
+}
+
+/// Makes the pipelines of all tiles, and the same without writes if the shaders write. `stages`:
+/// those that reproject, the program's own with changed fragments, and the geometry stage that
+/// divides, which is combined with the latter.
+///
+/// # Errors
+/// The driver's.
+///
+/// # Safety
+/// As for [`make`].
+unsafe fn create_all(
+    device: &Device,
+    cache: vk::PipelineCache,
+    parts: &Parts<'_>,
+    linked: &[Arc<Pipeline>],
+    modules: &mut Modules<'_>,
+    (stages, own, dividing): (&Stages<'_>, &Stages<'_>, Option<vk::ShaderModule>),
+    made: &mut Variants,
+) -> Result<(), Obstacle> {
+    // SAFETY: as promised.
+    unsafe {
+        let quiet = modules.without_writes(stages)?;
+        made.writes |= quiet.is_some();
         let create = |stages: [&[vk::PipelineShaderStageCreateInfo<'_>]; 2], of_library| {
-            create::create(device, cache, parts, &Sources { stages, linked: &linked, of_library })
+            create::create(device, cache, parts, &Sources { stages, linked, of_library })
         };
-        let mut of_views = divided.as_ref();
-        made.tiles = match of_views.map(|of_views| create([of_views, &stages], |library| library.tiles)) {
+        let mut dividing = dividing;
+        let divided = dividing.map(|module| create([&with_stage(own, module), stages], |library| library.tiles));
+        made.tiles = match divided {
             Some(Ok(tiles)) => tiles,
             failed => {
                 if let Some(Err(why)) = failed {
                     device.pipelines.divided.note_undivided(&why);
                 }
-                of_views = None;
-                create([&stages, &stages], |library| library.tiles)?
+                dividing = None;
+                create([stages, stages], |library| library.tiles)?
             }
         };
         if made.writes {
             device.pipelines.note_writes();
-            let of_panel = quiet.as_ref().unwrap_or(&stages);
-            let of_views = of_views.map_or(of_panel, |own| quiet_divided.as_ref().unwrap_or(own));
-            made.quiet = create([of_views, of_panel], Variants::without_writes).inspect_err(note_repeated).ok();
+            let of_panel = quiet.as_ref().unwrap_or(stages);
+            // The stage of Cupola counts for the statistics, which is no write of the program.
+            let of_views = dividing.map(|module| {
+                let own_quiet = modules.without_writes(own)?;
+                Ok::<_, Obstacle>(with_stage(own_quiet.as_ref().unwrap_or(own), module))
+            });
+            let made_quiet = of_views.transpose().and_then(|of_views| {
+                create([of_views.as_ref().unwrap_or(of_panel), of_panel], Variants::without_writes)
+            });
+            made.quiet = made_quiet.inspect_err(note_repeated).ok();
         }
     }
-    Ok(made)
+    Ok(())
 }
 
 /// Says that shaders write once for each view.

@@ -39,15 +39,13 @@ impl Swapchain {
     /// # Safety
     /// The device must be live, and no other thread may present this swapchain meanwhile.
     pub unsafe fn follow_rig(&mut self, device: &Device) -> bool {
-        if self.stand_in.as_ref().is_some_and(|stand_in| device.pipelines.write() && !stand_in.layout.read) {
-            return true;
-        }
+        let lacks_own = self.stand_in.as_ref().is_some_and(|s| device.pipelines.write() && !s.layout.read);
         let version = live::version();
         let Some(stand_in) = self.stand_in.as_mut().filter(|_| !self.failed && self.version != version) else {
-            return false;
+            return lacks_own;
         };
         self.version = version;
-        let Some(live) = live::rig() else { return false };
+        let Some(live) = live::rig() else { return lacks_own };
         let (window, read) = (stand_in.layout.window, stand_in.layout.read);
         let adopted = plan(device, &live.rig, window, read).and_then(|new| {
             let layout = AtlasLayout { version, ..new };
@@ -59,7 +57,7 @@ impl Swapchain {
             same.then(|| unsafe { stand_in.adopt(device, Arc::new(layout)) }).transpose()
         });
         match adopted {
-            Ok(Some(())) => false,
+            Ok(Some(())) => lacks_own,
             Ok(None) => {
                 log::once(
                     "Vulkan: the rig's views have changed; a window follows when the program makes its next swapchain, as after a change of size",
@@ -68,7 +66,7 @@ impl Swapchain {
             }
             Err(error) => {
                 log::once(&format!("Vulkan: the rig stays as it was: {}", error.message));
-                false
+                lacks_own
             }
         }
     }
