@@ -3,7 +3,8 @@
  * background, whose colours depend on the place in the picture. The scene is the cube, small and
  * far ahead of the camera. --mode multisampled: the image has samples, which are resolved. --mode
  * corner: the cube around the camera is also drawn, in the lower left quarter of the picture. --mode
- * window: background and scene are drawn to the window itself.
+ * window: background and scene are drawn to the window itself. --mode blended: so is this, but half of
+ * the background is the colour of the clear.
  */
 #include "common/app.h"
 #include "common/mesh.h"
@@ -42,13 +43,14 @@ static const char show_fragment[] = "#version 330 core\n"
 
 static mesh cube;
 static GLuint scene, screen, show, framebuffers[2], colour, buffers[2], empty;
-static bool multisampled, corner, direct;
+static bool multisampled, corner, direct, blended;
 
 static void setup(app *a)
 {
     multisampled = a->mode != NULL && strcmp(a->mode, "multisampled") == 0;
     corner = a->mode != NULL && strcmp(a->mode, "corner") == 0;
-    direct = a->mode != NULL && strcmp(a->mode, "window") == 0;
+    blended = a->mode != NULL && strcmp(a->mode, "blended") == 0;
+    direct = blended || (a->mode != NULL && strcmp(a->mode, "window") == 0);
     const shader_source of_scene[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}};
     const shader_source of_screen[] = {{GL_VERTEX_SHADER, screen_vertex}, {GL_FRAGMENT_SHADER, fragment}};
     const shader_source of_show[] = {{GL_VERTEX_SHADER, show_vertex}, {GL_FRAGMENT_SHADER, show_fragment}};
@@ -80,11 +82,16 @@ static void setup(app *a)
 
 static void fill(void)
 {
+    if (blended)
+        glEnable(GL_BLEND);
+    glBlendColor(0.0f, 0.0f, 0.0f, 0.5f);
+    glBlendFunc(GL_CONSTANT_ALPHA, GL_ONE_MINUS_CONSTANT_ALPHA);
     glDisable(GL_DEPTH_TEST);
     glUseProgram(screen);
     glBindVertexArray(empty);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glEnable(GL_DEPTH_TEST);
+    glDisable(GL_BLEND);
 }
 
 static void draw(app *a)

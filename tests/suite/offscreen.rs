@@ -321,7 +321,12 @@ fn a_background_has_no_seams() {
         let [right, up] = at.map(|at| 255.0 * (0.5 + 0.5 * at.clamp(-1.0, 1.0)));
         [right, up, 0.25 * 255.0]
     };
-    for (mode, samples) in [("plain", "0"), ("multisampled", "0"), ("window", "0"), ("window", "4")] {
+    for (mode, samples) in [("plain", "0"), ("multisampled", "0"), ("window", "0"), ("window", "4"), ("blended", "0")] {
+        // Half of the clear's colour.
+        let expected = |direction| match mode {
+            "blended" => expected(direction).map(|colour| 0.5 * colour + 0.5 * 64.0),
+            _ => expected(direction),
+        };
         let extra = ["--mode", mode, "--samples", samples, "--shot", "shot.ppm"];
         let run = Run { extra: &extra, frames: 6, cupola_frames: 6, ..Run::new("backdrop") };
         let Some(under) = run.under("fisheye") else { return };

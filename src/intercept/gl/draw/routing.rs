@@ -113,6 +113,9 @@ fn draw_to_window(
     let own = primary.or(picture.filter(|tile| Some(*tile) == panel));
     let mut window = WindowCopies { session, own, class, shown };
     let count = views + usize::from(window.own.is_some());
+    if let Some(picture) = picture {
+        backdrop::begin_in_window(ctx, picture);
+    }
     per_view::issue::issue(ctx, &Copies { changes, views, count, shown }, &mut window, issue);
     if let Some(picture) = picture {
         backdrop::spread_in_window(ctx, picture);

@@ -9,6 +9,8 @@ use crate::backend::gl::Spread;
 use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::per_view::panel;
+use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::process::log;
 
 /// The picture of a background.
@@ -22,8 +24,7 @@ pub struct Picture {
 }
 
 /// Returns the tile that gets the picture of a background of the window, as the program draws it.
-/// The panel has no colours of the program's clears, so a background that is blended has no tile
-/// there. `None`: such a background cannot be spread.
+/// `None`: such a background cannot be spread.
 pub fn tile_in_window(ctx: &Context) -> Option<LowerLeftRect> {
     let target = ctx.drawable.target()?;
     let fits = LowerLeftRect::of_size(target.size()).contains(ctx.app.viewport());
@@ -32,9 +33,32 @@ pub fn tile_in_window(ctx: &Context) -> Option<LowerLeftRect> {
     if !fits || curved || target.session.turns().is_some() || ctx.app.arrays().is_some() {
         return None;
     }
-    target
-        .own_picture()
-        .or_else(|| target.panel().filter(|_| !ctx.driver.known_state.is_on(ctx.driver.gl, api::GL_BLEND)))
+    let own = target.own_picture();
+    own.or_else(|| target.panel().filter(|_| !is_blended(ctx) || cleared(target).is_some()))
+}
+
+fn is_blended(ctx: &Context) -> bool {
+    ctx.driver.known_state.is_on(ctx.driver.gl, api::GL_BLEND)
+}
+
+/// Returns the colour of all views, if nothing was drawn to them since they were cleared.
+fn cleared(target: &DefaultFramebuffer) -> Option<[f32; 3]> {
+    let count = target.session.views().len().min(64);
+    let all = target.content.views_cleared()?;
+    ((0..count).all(|view| all.views >> view & 1 == 1)).then_some(all.color)
+}
+
+/// Prepares `tile` for the picture of a background. On the panel, which is transparent, a background
+/// that is blended needs the colour of the program's clear.
+pub fn begin_in_window(ctx: &mut Context, tile: LowerLeftRect) {
+    let Some(target) = ctx.drawable.target() else { return };
+    if target.panel() == Some(tile)
+        && is_blended(ctx)
+        && let Some(colour) = cleared(target)
+    {
+        ctx.set_scissor(Some(tile));
+        panel::clear_to(ctx.driver.gl, &ctx.driver.known_state, colour);
+    }
 }
 
 /// Gives each view its own part of the picture that was drawn to `tile` of the window.

@@ -54,11 +54,20 @@ pub fn clear_part(ctx: &mut Context, part: LowerLeftRect) {
 
 /// Clears the bound framebuffer's colour within the scissor to transparent black.
 pub fn clear_transparent(gl: &Gl, known: &KnownState) {
+    clear_all(gl, known, [0.0; 4]);
+}
+
+/// Clears the bound framebuffer's colour within the scissor to an opaque colour.
+pub fn clear_to(gl: &Gl, known: &KnownState, [red, green, blue]: [f32; 3]) {
+    clear_all(gl, known, [red, green, blue, 1.0]);
+}
+
+fn clear_all(gl: &Gl, known: &KnownState, colour: [f32; 4]) {
     let mask = known.mask(gl);
     // SAFETY: the colour mask is put back.
     unsafe {
         gl.color_mask(1, 1, 1, 1);
-        gl.clear_bufferfv(api::GL_COLOR, 0, [0.0f32; 4].as_ptr());
+        gl.clear_bufferfv(api::GL_COLOR, 0, colour.as_ptr());
         let [red, green, blue, alpha] = mask;
         gl.color_mask(red, green, blue, alpha);
     }
