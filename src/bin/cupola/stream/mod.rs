@@ -1,10 +1,12 @@
 //! `cupola stream`: sends an output that a program publishes, live, to the network, a camera
-//! device, a file, a source of NDI, or any command.
+//! device, a file, a source of NDI or PipeWire, or any command.
 //!
 //! The program never waits: frames that come while the receiver is busy are lost, and counted.
 
 mod destination;
 mod outlet;
+#[cfg(feature = "pipewire")]
+mod pipewire;
 mod report;
 
 use crate::failure::Failure;
@@ -14,7 +16,7 @@ use crate::terminal;
 use cupola::ring::{self, Frame, Next, Picture, Reader};
 use cupola::system::process;
 use destination::{Destination, Encoding};
-use outlet::{Ndi, Outlet};
+use outlet::{Added, Outlet};
 use report::Report;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -38,6 +40,7 @@ frames, which are counted. Destinations through ffmpeg:
   NAME.mkv, NAME.mp4, …                         a file
 Without ffmpeg:
   ndi:NAME                                      a source of NDI, by NDI's library, which is installed separately
+  pipewire:NAME                                 a video source of PipeWire: a camera for other programs
 and - is the standard output, in the format of --format.")]
 pub struct Arguments {
     /// Destination of the pictures: an address, a file, a device, a source, or - for the standard output
@@ -129,7 +132,10 @@ fn send(
     while !process::end_was_asked_for() && arguments.frames.is_none_or(|frames| report.sent < frames) {
         match reader.next(LOOK, &mut frame)? {
             Next::Ended => break,
-            Next::Nothing => continue,
+            Next::Nothing => {
+                outlet.as_ref().map_or(Ok(()), Outlet::handle_events)?;
+                continue;
+            }
             Next::Frame => {}
         }
         report.read(&frame, reader.lost());
@@ -145,14 +151,16 @@ fn send(
             outlet = Some(target.open(arguments, picture)?);
         }
         let Some(outlet) = &mut outlet else { break };
-        if !outlet.add(picture, frame.time.saturating_sub(*begin.get_or_insert(frame.time)))? {
-            break;
+        match outlet.add(picture, frame.time.saturating_sub(*begin.get_or_insert(frame.time)))? {
+            Added::Sent => report.sent(frame.time),
+            Added::Lost => report.lost_here(),
+            Added::Unseen => report.unseen(),
+            Added::Gone => break,
         }
-        report.sent(frame.time);
         bar.set_message(format!("{report}"));
     }
     bar.finish_and_clear();
-    report.lost = reader.lost();
+    report.lost_before(reader.lost());
     outlet.as_mut().map_or(Ok(()), Outlet::finish)
 }
 
@@ -188,7 +196,8 @@ impl Target {
         };
         let destination = Destination::parse(place).map_err(Failure::usage)?;
         let outlet = match &destination {
-            Destination::Ndi(name) => Some(Outlet::Ndi(Ndi::open(name, arguments.fps)?)),
+            Destination::Ndi(name) => Some(Outlet::ndi(name, arguments.fps)?),
+            Destination::PipeWire(name) => Some(Outlet::pipewire(name, arguments.fps)?),
             _ => arguments.encoding().command(&destination).map(|_| None)?,
         };
         Ok((Self::Place(destination), outlet))
@@ -202,7 +211,8 @@ impl Target {
             Self::Place(Destination::Output) => {
                 Outlet::Output(Writing::new(form(arguments.format), picture.size), picture.size)
             }
-            Self::Place(Destination::Ndi(name)) => Outlet::Ndi(Ndi::open(name, rate)?),
+            Self::Place(Destination::Ndi(name)) => Outlet::ndi(name, rate)?,
+            Self::Place(Destination::PipeWire(name)) => Outlet::pipewire(name, rate)?,
             Self::Place(destination) => {
                 Outlet::Receiver(receiver(arguments.encoding().command(destination)?, Format::Nut)?)
             }
