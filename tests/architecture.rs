@@ -93,8 +93,8 @@ const MAY_KNOW_VULKAN: [&str; 5] =
     ["src/backend/vk/", "src/intercept/vk/", "src/ffi/", "src/runtime/", "src/bin/cupola-lab/trial/"];
 
 /// Crates that only the command uses.
-const COMMAND_ONLY: [&str; 8] =
-    ["clap", "exr", "httparse", "indicatif", "jpeg_encoder", "noto_sans_mono_bitmap", "rosc", "x11rb"];
+const COMMAND_ONLY: [&str; 9] =
+    ["clap", "exr", "httparse", "indicatif", "jpeg_encoder", "noto_sans_mono_bitmap", "pipewire", "rosc", "x11rb"];
 
 /// Files in which f64 may become f32: the values that shaders get, and the pixels of the picture
 /// that the simulation writes.

@@ -1,8 +1,9 @@
-//! System calls that the standard library does not offer, as safe functions.
+//! System calls that the standard library does not offer, and NDI's library, as safe functions.
 
 mod build_id;
 mod clock;
 mod file;
+pub mod ndi;
 pub mod process;
 mod shared_memory;
 

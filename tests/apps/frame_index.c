@@ -1,7 +1,8 @@
 /*
  * Paints the number of each frame into its pixels: 24 columns, white for 1, the highest bit at the
  * left. Writes the number and the time at which it asks for the swap (monotonic clock,
- * nanoseconds). --mode: frames per second; without it as many as possible.
+ * nanoseconds). --mode RATE[,FRAME,WIDTHxHEIGHT]: frames per second, without it as many as possible,
+ * and a size that the window gets after a frame.
  */
 #include "common/app.h"
 
@@ -56,8 +57,17 @@ static void draw(app *a)
     }
 }
 
+static void after(app *a)
+{
+    int frame, width, height;
+    if (a->mode && sscanf(a->mode, "%*[0-9.],%d,%dx%d", &frame, &width, &height) == 3 && a->frame + 1 == frame) {
+        window_resize(&a->window, width, height);
+        glViewport(0, 0, width, height);
+    }
+}
+
 int main(int argc, char **argv)
 {
-    static const app_program program = {"frame_index", API_GL_COMPATIBILITY, 0, 0, setup, draw, NULL};
+    static const app_program program = {"frame_index", API_GL_COMPATIBILITY, 0, 0, setup, draw, after};
     return app_main(argc, argv, &program);
 }

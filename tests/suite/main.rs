@@ -38,6 +38,7 @@ mod load;
 mod managed;
 mod matrix_forms;
 mod mirrors;
+mod ndi;
 mod nodes;
 mod offscreen;
 mod outlines;
@@ -98,6 +99,7 @@ harness::tests! {
     managed,
     matrix_forms,
     mirrors,
+    ndi,
     nodes,
     offscreen,
     outlines,

@@ -9,6 +9,7 @@ use std::process::{Command, Stdio};
 tests! {
     a_slow_receiver_loses_frames_that_are_counted,
     a_recording_to_a_command_has_each_frame,
+    without_the_feature_it_is_said_how_to_get_pipewire,
 }
 
 const SIDE: usize = 96;
@@ -122,4 +123,15 @@ fn a_recording_to_a_command_has_each_frame() {
     // If the command fails, the recording fails.
     let Some(failed) = record("raw", "head -c 100 > /dev/null; exit 3") else { return };
     assert!(!failed.succeeded(), "{}", failed.words());
+}
+
+fn without_the_feature_it_is_said_how_to_get_pipewire() {
+    if cfg!(feature = "pipewire") {
+        return;
+    }
+    let mut stream = Command::new(env!("CARGO_BIN_EXE_cupola"));
+    let output = stream.args(["stream", "pipewire:Dome"]).output().expect("cupola starts");
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(words.contains("--features pipewire") && words.contains("libpipewire-0.3-dev"), "{words}");
+    assert_eq!(output.status.code(), Some(1));
 }

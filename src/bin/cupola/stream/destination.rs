@@ -17,6 +17,10 @@ pub enum Destination {
     Encoded { muxer: Muxer, place: String },
     /// A device of v4l2loopback, through ffmpeg.
     Camera(String),
+    /// A source of NDI with this name.
+    Ndi(String),
+    /// A video source of PipeWire with this name.
+    PipeWire(String),
 }
 
 /// Container of encoded pictures.
@@ -36,13 +40,23 @@ impl Destination {
     /// Reads the text of the command line.
     pub fn parse(text: &str) -> Result<Self, String> {
         let encoded = |muxer| Ok(Self::Encoded { muxer, place: text.to_owned() });
+        if let Some((kind @ ("ndi" | "pipewire"), name)) =
+            text.split_once(':').filter(|(_, name)| !name.starts_with("//"))
+        {
+            return match (kind, name) {
+                (_, "") => Err(format!("expected the name of the source, for example {kind}:Dome")),
+                ("ndi", _) => Ok(Self::Ndi(name.to_owned())),
+                _ => Ok(Self::PipeWire(name.to_owned())),
+            };
+        }
         match text.split_once("://").map(|(scheme, _)| scheme) {
             _ if text == "-" => Ok(Self::Output),
             _ if text.is_empty() => Err("expected an address or a file".to_owned()),
             Some("srt" | "udp" | "tcp" | "rist") => encoded(Muxer::Transport),
             Some("rtmp" | "rtmps") => encoded(Muxer::Flash),
             Some(scheme) => Err(format!(
-                "no preset for {scheme}://; there are srt, rist, udp, tcp and rtmp, and --pipe for a command of your own"
+                "no preset for {scheme}://; there are srt, rist, udp, tcp, rtmp, ndi:NAME, pipewire:NAME, and --pipe \
+                 for a command of your own"
             )),
             None if text.starts_with("/dev/video") => Ok(Self::Camera(text.to_owned())),
             None if text.ends_with(".m3u8") => encoded(Muxer::Playlist),
@@ -62,7 +76,7 @@ pub struct Encoding {
 }
 
 impl Encoding {
-    /// Makes the command of ffmpeg for a destination other than the standard output.
+    /// Makes the command of ffmpeg for a destination that ffmpeg serves.
     pub fn command(&self, destination: &Destination) -> Result<Command, Failure> {
         let mut ffmpeg = Command::new(ENCODER);
         ffmpeg.args(["-hide_banner", "-loglevel", "error", "-y"]);
@@ -71,7 +85,7 @@ impl Encoding {
         // Pictures keep their times.
         ffmpeg.args(["-fps_mode", "passthrough"]);
         match destination {
-            Destination::Output => {}
+            Destination::Output | Destination::Ndi(_) | Destination::PipeWire(_) => {}
             Destination::Camera(device) => {
                 ffmpeg.args(["-pix_fmt", "yuv420p", "-f", "v4l2"]).arg(device);
             }
@@ -153,6 +167,11 @@ mod tests {
         assert_eq!(muxer("show.mkv"), Some(Muxer::File));
         assert_eq!(Destination::parse("-"), Ok(Destination::Output));
         assert_eq!(Destination::parse("/dev/video10"), Ok(Destination::Camera("/dev/video10".to_owned())));
+        assert_eq!(Destination::parse("ndi:Dome: left"), Ok(Destination::Ndi("Dome: left".to_owned())));
+        assert_eq!(Destination::parse("pipewire:Dome"), Ok(Destination::PipeWire("Dome".to_owned())));
+        assert!(Destination::parse("pipewire:").is_err_and(|words| words.contains("pipewire:Dome")));
+        assert!(Destination::parse("ndi:").is_err_and(|words| words.contains("name of the source")));
+        assert!(Destination::parse("ndi://Dome").is_err_and(|words| words.contains("ndi:NAME")));
         assert!(Destination::parse("gopher://dome").is_err_and(|words| words.contains("no preset for gopher")));
     }
 }

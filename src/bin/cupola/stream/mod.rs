@@ -1,9 +1,12 @@
 //! `cupola stream`: sends an output that a program publishes, live, to the network, a camera
-//! device, a file, or any command.
+//! device, a file, a source of NDI or PipeWire, or any command.
 //!
 //! The program never waits: frames that come while the receiver is busy are lost, and counted.
 
 mod destination;
+mod outlet;
+#[cfg(feature = "pipewire")]
+mod pipewire;
 mod report;
 
 use crate::failure::Failure;
@@ -13,8 +16,8 @@ use crate::terminal;
 use cupola::ring::{self, Frame, Next, Picture, Reader};
 use cupola::system::process;
 use destination::{Destination, Encoding};
+use outlet::{Added, Outlet};
 use report::Report;
-use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -35,9 +38,12 @@ frames, which are counted. Destinations through ffmpeg:
   FOLDER/NAME.m3u8                              HLS: a web server gives it to browsers
   /dev/videoN                                   a device of v4l2loopback: a camera for other programs
   NAME.mkv, NAME.mp4, …                         a file
+Without ffmpeg:
+  ndi:NAME                                      a source of NDI, by NDI's library, which is installed separately
+  pipewire:NAME                                 a video source of PipeWire: a camera for other programs
 and - is the standard output, in the format of --format.")]
 pub struct Arguments {
-    /// Destination of the pictures: an address, a file, a device, or - for the standard output
+    /// Destination of the pictures: an address, a file, a device, a source, or - for the standard output
     #[arg(value_name = "PLACE", required_unless_present = "pipe", conflicts_with = "pipe")]
     place: Option<String>,
     /// Start this shell command, and hand the pictures to its standard input
@@ -71,13 +77,13 @@ pub struct Arguments {
 
 /// Runs the subcommand until the program ends.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let target = Target::of(arguments)?;
+    let (target, outlet) = Target::of(arguments)?;
     process::note_end_signals();
     std::thread::spawn(end_in_time);
     let file = arguments.published.clone().unwrap_or_else(ring::default_path);
     let Some(reader) = wait_for(&file) else { return Ok(ExitCode::SUCCESS) };
     let mut report = Report::default();
-    let sent = send(arguments, &target, reader, &mut report);
+    let sent = send(arguments, (&target, outlet), reader, &mut report);
     eprintln!("cupola: {report}");
     if let Some(file) = &arguments.stats {
         std::fs::write(file, format!("{:#}\n", report.json()))
@@ -111,16 +117,25 @@ fn wait_for(file: &std::path::Path) -> Option<Reader> {
     None
 }
 
-/// Sends frames until the program ends, or up to the requested number.
-fn send(arguments: &Arguments, target: &Target, mut reader: Reader, report: &mut Report) -> Result<(), Failure> {
+/// Sends frames until the program ends, or up to the requested number. `outlet`: if it is open.
+fn send(
+    arguments: &Arguments,
+    (target, mut outlet): (&Target, Option<Outlet>),
+    mut reader: Reader,
+    report: &mut Report,
+) -> Result<(), Failure> {
     let mut frame = Frame::default();
     let mut pace = Pace::new(arguments.fps);
-    let mut outlet: Option<(Outlet, u64)> = None;
+    // Time of the outlet's first frame.
+    let mut begin = None;
     let bar = terminal::spinner("no frame yet");
     while !process::end_was_asked_for() && arguments.frames.is_none_or(|frames| report.sent < frames) {
         match reader.next(LOOK, &mut frame)? {
             Next::Ended => break,
-            Next::Nothing => continue,
+            Next::Nothing => {
+                outlet.as_ref().map_or(Ok(()), Outlet::handle_events)?;
+                continue;
+            }
             Next::Frame => {}
         }
         report.read(&frame, reader.lost());
@@ -128,27 +143,25 @@ fn send(arguments: &Arguments, target: &Target, mut reader: Reader, report: &mut
             continue;
         }
         let picture = chosen(&frame, arguments.output.as_deref())?;
-        if outlet.as_ref().is_some_and(|(outlet, _)| outlet.size() != picture.size) {
+        if outlet.as_ref().is_some_and(|outlet| !outlet.takes(picture.size)) {
             eprintln!("cupola: the picture has another size now: the receiver is started again");
-            outlet = None;
+            (outlet, begin) = (None, None);
         }
         if outlet.is_none() {
-            outlet = Some((target.open(arguments, picture)?, frame.time));
+            outlet = Some(target.open(arguments, picture)?);
         }
-        let Some((outlet, begin)) = &mut outlet else { break };
-        let time = TimeBase::LIVE.units(frame.time.saturating_sub(*begin));
-        if !outlet.add(picture, time)? {
-            break;
+        let Some(outlet) = &mut outlet else { break };
+        match outlet.add(picture, frame.time.saturating_sub(*begin.get_or_insert(frame.time)))? {
+            Added::Sent => report.sent(frame.time),
+            Added::Lost => report.lost_here(),
+            Added::Unseen => report.unseen(),
+            Added::Gone => break,
         }
-        report.sent(frame.time);
         bar.set_message(format!("{report}"));
     }
     bar.finish_and_clear();
-    report.lost = reader.lost();
-    match &mut outlet {
-        Some((Outlet::Receiver(receiver), _)) => receiver.finish(),
-        _ => Ok(()),
-    }
+    report.lost_before(reader.lost());
+    outlet.as_mut().map_or(Ok(()), Outlet::finish)
 }
 
 /// Picture of the requested output.
@@ -175,14 +188,19 @@ enum Target {
 }
 
 impl Target {
-    fn of(arguments: &Arguments) -> Result<Self, Failure> {
+    /// The receiver, and its outlet if that does not depend on the pictures. A wrong destination is
+    /// reported before the command waits for a program.
+    fn of(arguments: &Arguments) -> Result<(Self, Option<Outlet>), Failure> {
         let Some(place) = &arguments.place else {
-            return Ok(Self::Shell(arguments.pipe.clone().unwrap_or_default()));
+            return Ok((Self::Shell(arguments.pipe.clone().unwrap_or_default()), None));
         };
         let destination = Destination::parse(place).map_err(Failure::usage)?;
-        // A wrong destination is reported before the command waits for a program.
-        arguments.encoding().command(&destination)?;
-        Ok(Self::Place(destination))
+        let outlet = match &destination {
+            Destination::Ndi(name) => Some(Outlet::ndi(name, arguments.fps)?),
+            Destination::PipeWire(name) => Some(Outlet::pipewire(name, arguments.fps)?),
+            _ => arguments.encoding().command(&destination).map(|_| None)?,
+        };
+        Ok((Self::Place(destination), outlet))
     }
 
     fn open(&self, arguments: &Arguments, picture: &Picture) -> Result<Outlet, Failure> {
@@ -193,6 +211,8 @@ impl Target {
             Self::Place(Destination::Output) => {
                 Outlet::Output(Writing::new(form(arguments.format), picture.size), picture.size)
             }
+            Self::Place(Destination::Ndi(name)) => Outlet::ndi(name, rate)?,
+            Self::Place(Destination::PipeWire(name)) => Outlet::pipewire(name, rate)?,
             Self::Place(destination) => {
                 Outlet::Receiver(receiver(arguments.encoding().command(destination)?, Format::Nut)?)
             }
@@ -206,33 +226,6 @@ impl Target {
 impl Arguments {
     fn encoding(&self) -> Encoding {
         Encoding { encoder: self.encoder.clone(), bitrate: self.bitrate.clone(), rate: self.fps }
-    }
-}
-
-/// Outlet for pictures of one size.
-enum Outlet {
-    Receiver(Receiver),
-    Output(Writing, (u32, u32)),
-}
-
-impl Outlet {
-    fn size(&self) -> (u32, u32) {
-        match self {
-            Self::Receiver(receiver) => receiver.size(),
-            Self::Output(_, size) => *size,
-        }
-    }
-
-    /// Writes a picture. Returns false if the reader of the standard output is gone.
-    fn add(&mut self, picture: &Picture, time: u64) -> Result<bool, Failure> {
-        match self {
-            Self::Receiver(receiver) => receiver.add(picture, time).map(|()| true),
-            Self::Output(writing, _) => match writing.add(&mut std::io::stdout().lock(), &picture.rgba, time) {
-                Ok(()) => Ok(true),
-                Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
-                Err(error) => Err(Failure::new(format!("the standard output: {error}"))),
-            },
-        }
     }
 }
 
