@@ -94,9 +94,16 @@ pub fn snapshot(context: &Headless, api: Api) -> Vec<(String, Vec<i32>)> {
     let gl = &context.gl;
     let mut all = Vec::new();
     let desktop = !context.is_gles;
+    // Contexts without a surface share one framebuffer 0 in Mesa, whose draw buffer the context of
+    // another test may change at any time.
+    let mut bound = 0;
+    // SAFETY: a context is current; writes one integer.
+    unsafe { gl.get_integerv(GL_DRAW_FRAMEBUFFER_BINDING, &mut bound) };
+    let is_shared = |name| bound == 0 && name == GL_DRAW_BUFFER0;
     // SAFETY: a context is current, the names are its own, and no value has more than 16 parts.
     unsafe {
-        for &name in INTEGERS.iter().chain(if desktop { DESKTOP_INTEGERS } else { &[] }) {
+        let integers = INTEGERS.iter().chain(if desktop { DESKTOP_INTEGERS } else { &[] });
+        for &name in integers.filter(|name| !is_shared(**name)) {
             let mut values = vec![-7; 16];
             gl.get_integerv(name, values.as_mut_ptr());
             all.push((format!("{name:#x}"), values));
