@@ -4,7 +4,8 @@
  * far ahead of the camera. --mode multisampled: the image has samples, which are resolved. --mode
  * corner: the cube around the camera is also drawn, in the lower left quarter of the picture. --mode
  * window: background and scene are drawn to the window itself. --mode blended: so is this, but half of
- * the background is the colour of the clear.
+ * the background is the colour of the clear. --mode between: so is this, in a part of the window, with
+ * a scissor around it, after a widget was drawn at the left border.
  */
 #include "common/app.h"
 #include "common/mesh.h"
@@ -43,14 +44,15 @@ static const char show_fragment[] = "#version 330 core\n"
 
 static mesh cube;
 static GLuint scene, screen, show, framebuffers[2], colour, buffers[2], empty;
-static bool multisampled, corner, direct, blended;
+static bool multisampled, corner, direct, blended, between;
 
 static void setup(app *a)
 {
     multisampled = a->mode != NULL && strcmp(a->mode, "multisampled") == 0;
     corner = a->mode != NULL && strcmp(a->mode, "corner") == 0;
     blended = a->mode != NULL && strcmp(a->mode, "blended") == 0;
-    direct = blended || (a->mode != NULL && strcmp(a->mode, "window") == 0);
+    between = a->mode != NULL && strcmp(a->mode, "between") == 0;
+    direct = blended || between || (a->mode != NULL && strcmp(a->mode, "window") == 0);
     const shader_source of_scene[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}};
     const shader_source of_screen[] = {{GL_VERTEX_SHADER, screen_vertex}, {GL_FRAGMENT_SHADER, fragment}};
     const shader_source of_show[] = {{GL_VERTEX_SHADER, show_vertex}, {GL_FRAGMENT_SHADER, show_fragment}};
@@ -94,10 +96,30 @@ static void fill(void)
     glDisable(GL_BLEND);
 }
 
+/* The cube without perspective, in a strip of the window. */
+static void draw_widget(const app *a)
+{
+    const matrix4 flat = matrix_identity();
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(0, 0, a->window.width / 10, a->window.height);
+    glDisable(GL_DEPTH_TEST);
+    glUseProgram(scene);
+    glUniformMatrix4fv(glGetUniformLocation(scene, "MVP"), 1, GL_FALSE, flat.m);
+    mesh_bind(&cube);
+    glDrawElements(GL_TRIANGLES, CUBE_INDICES, GL_UNSIGNED_SHORT, NULL);
+    glEnable(GL_DEPTH_TEST);
+}
+
 static void draw(app *a)
 {
     glBindFramebuffer(GL_FRAMEBUFFER, direct ? 0 : framebuffers[0]);
     app_clear();
+    if (between) {
+        const int width = a->window.width, height = a->window.height;
+        draw_widget(a);
+        glScissor(width / 8, height / 8, width * 3 / 4, height * 3 / 4);
+        glViewport(width / 8, height / 8, width * 3 / 4, height * 3 / 4);
+    }
     fill();
     glUseProgram(scene);
     const matrix4 all = matrix_multiply(a->projection, matrix_translate(0.0, 0.0, -10.0));
@@ -113,6 +135,10 @@ static void draw(app *a)
         const matrix4 around = matrix_multiply(a->projection, matrix_scale(CUBE_SCALE));
         glUniformMatrix4fv(glGetUniformLocation(scene, "MVP"), 1, GL_FALSE, around.m);
         glDrawElements(GL_TRIANGLES, CUBE_INDICES, GL_UNSIGNED_SHORT, NULL);
+        glDisable(GL_SCISSOR_TEST);
+        glViewport(0, 0, width, height);
+    }
+    if (between) {
         glDisable(GL_SCISSOR_TEST);
         glViewport(0, 0, width, height);
     }

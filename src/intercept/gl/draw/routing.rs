@@ -40,7 +40,7 @@ use crate::intercept::scene::query_scaling::QueryScaling;
 use crate::runtime::session::Session;
 use std::sync::Arc;
 
-/// Number of a frame's first flat draws to the window that may fill its background.
+/// Number of a frame's first flat draws behind the scene that may fill its background.
 const BACKDROPS: u32 = 4;
 
 /// Issues a draw of the program once per view that shows it. `bounds` returns a box around its
@@ -119,7 +119,8 @@ fn draw_to_window(
     per_view::issue::issue(ctx, &Copies { changes, views, count, shown }, &mut window, issue);
     if let Some(picture) = picture {
         backdrop::spread_in_window(ctx, picture);
-        panel::clear_panel(ctx);
+        // It covers earlier flat drawing there.
+        panel::clear_part(ctx, ctx.app.viewport());
     }
 }
 
@@ -177,7 +178,7 @@ fn perspective_or_flat(
 /// Returns whether the next draw, which comes before the scene, fills the program's picture. `Err`:
 /// not known yet, the draw must be measured.
 fn fills_picture(ctx: &mut Context) -> Result<bool, Measure> {
-    let number = ctx.frame.background().flat_draws();
+    let number = ctx.frame.background_mut().count();
     if number > BACKDROPS || backdrop::tile_in_window(ctx).is_none() {
         return Ok(false);
     }

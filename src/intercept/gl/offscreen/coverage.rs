@@ -51,7 +51,7 @@ pub fn fills_viewport(ctx: &mut Context, samples: i32) -> Result<bool, Measure> 
     }
 }
 
-/// Returns whether the next draw, which is the `number`-th flat draw of a frame to the window, fills
+/// Returns whether the next draw, which is the `number`-th flat draw behind the scene, fills
 /// the program's viewport. `Err`: not known yet, the draw must be measured. `Ok(false)` if it cannot
 /// be measured.
 pub fn fills_window(ctx: &mut Context, number: u32) -> Result<bool, Measure> {

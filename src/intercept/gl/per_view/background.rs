@@ -16,7 +16,10 @@ pub fn is_behind(app: &AppState, drawable: &Drawable, frame: &mut Frame, compat:
         return false;
     }
     let Some(target) = drawable.target() else { return false };
-    let whole = app.scissor().contains(LowerLeftRect::of_size(target.size()));
+    // Widgets are drawn in a scissor of their own. The scene between them may have one around its
+    // viewport.
+    let scissor = app.scissor();
+    let whole = scissor.contains(LowerLeftRect::of_size(target.size())) || scissor.contains(app.viewport());
     (whole || !app.scissor_test()) && prepare(drawable, frame, compat, PanelPart::default())
 }
 

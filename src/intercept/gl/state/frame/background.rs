@@ -14,8 +14,8 @@ const LEAST_W: f64 = 1e-6;
 #[derive(Default)]
 pub struct Background {
     pub(in crate::intercept::gl) order: FrameOrder,
-    /// Number of flat draws to the window so far in this frame.
-    flat_draws: u32,
+    /// Number of flat draws behind the scene so far in this frame.
+    count: u32,
     /// Room for the tiles of the views and their directions. It is used again, so that a background
     /// allocates nothing.
     tiles: Vec<(LowerLeftRect, DMat3)>,
@@ -37,13 +37,12 @@ impl Background {
     /// Notes a flat draw.
     pub fn note_flat(&mut self) {
         self.order.note_flat();
-        self.flat_draws += 1;
     }
 
     /// Ends the frame.
     pub fn end_frame(&mut self) {
         self.order.end_frame();
-        self.flat_draws = 0;
+        self.count = 0;
     }
 
     /// Forgets all matrices, as the views have changed.
@@ -53,9 +52,10 @@ impl Background {
         self.matrix = None;
     }
 
-    /// Number of flat draws to the window so far in this frame.
-    pub fn flat_draws(&self) -> u32 {
-        self.flat_draws
+    /// Counts a flat draw behind the scene. Returns its number in this frame, from 1 on.
+    pub fn count(&mut self) -> u32 {
+        self.count += 1;
+        self.count
     }
 
     /// Takes out the room for the tiles of the views and their directions, which is empty.

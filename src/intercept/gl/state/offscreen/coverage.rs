@@ -15,7 +15,7 @@ pub(in crate::intercept::gl) struct Signature {
     pub(in crate::intercept::gl) program: u32,
     pub(in crate::intercept::gl) sampled: Set,
     pub(in crate::intercept::gl) viewport: LowerLeftRect,
-    /// Number of a flat draw to the window among those before the scene; 0 for other draws. It tells
+    /// Number of a flat draw to the window among those behind the scene; 0 for other draws. It tells
     /// draws of the fixed-function pipeline apart, which have no program.
     pub(in crate::intercept::gl) number: u32,
 }
