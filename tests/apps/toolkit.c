@@ -2,7 +2,8 @@
  * Direction test as a toolkit draws it: a context without a window draws the scene into a texture.
  * Another context, which shares the texture, draws the window with it. A third one has a window that
  * shows nothing. With --mode docked the scene fills only a small part of the window. With --mode panes
- * it fills most of it, between widgets; with panes-copied it is copied there.
+ * it fills most of it, between widgets; with panes-copied it is copied there. With --mode unmapped the
+ * first context has a window, which is not mapped.
  */
 #include "common/fixed.h"
 
@@ -10,7 +11,7 @@
 #include <string.h>
 
 static GLXContext studio;
-static GLXPbuffer nowhere;
+static GLXDrawable nowhere;
 static GLuint framebuffer, reader, picture, depth;
 static int width, height; /* of the texture */
 
@@ -39,7 +40,15 @@ static void setup(app *a)
     window_make_current(&a->window);
     static const int attributes[] = {GLX_PBUFFER_WIDTH, 1, GLX_PBUFFER_HEIGHT, 1, None};
     studio = glXCreateNewContext(a->window.display, a->window.config, GLX_RGBA_TYPE, a->window.context, True);
-    nowhere = glXCreatePbuffer(a->window.display, a->window.config, attributes);
+    if (is_mode(a, "unmapped")) {
+        const window unmapped = window_open_beside(&a->window, &beside);
+        XUnmapWindow(a->window.display, unmapped.window);
+        XSync(a->window.display, False);
+        nowhere = unmapped.window;
+        window_make_current(&a->window);
+    } else {
+        nowhere = glXCreatePbuffer(a->window.display, a->window.config, attributes);
+    }
     app_check(a, studio != NULL, "there is no second context");
     glGenTextures(1, &picture);
     glBindTexture(GL_TEXTURE_2D, picture);
@@ -140,7 +149,7 @@ static void draw(app *a)
         draw_mark();
     app_check_error(a, "in the context without a window");
     window_make_current(&a->window);
-    glClear(GL_COLOR_BUFFER_BIT);
+    glClear(GL_COLOR_BUFFER_BIT | (is_mode(a, "unmapped") ? GL_DEPTH_BUFFER_BIT : 0));
     fixed_begin_pixels(a);
     if (has_panes(a))
         draw_panes(a);

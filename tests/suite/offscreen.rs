@@ -16,6 +16,7 @@ tests! {
     a_program_with_post_processing,
     passes_that_hold_the_camera_s_matrices,
     a_toolkit_s_two_contexts,
+    a_toolkit_s_window_that_is_not_shown,
     a_scene_between_widgets,
     a_scene_that_stays_flat_is_told,
     duplication_can_be_switched_off_and_forced,
@@ -128,6 +129,17 @@ fn a_toolkit_s_two_contexts() {
     assert_eq!(statistics["duplicated_framebuffers"].as_u64(), Some(1), "{statistics:#}");
     assert!(statistics["projection_found"]["fixed-function matrix"].as_u64() >= Some(2), "{statistics:#}");
     assert!(!finished.words().contains("shown flat"), "{}", finished.words());
+}
+
+/// The context that draws the scene has a window, too, which is not shown. The views are those of the
+/// window that is shown, also after they were planned anew for the few draws.
+fn a_toolkit_s_window_that_is_not_shown() {
+    let run = Run { extra: &["--mode", "unmapped"], frames: 14, cupola_frames: 14, ..Run::new("toolkit") };
+    let Some(finished) = run.under("fisheye") else { return };
+    let finished = finished.expect_success().expect_no_gl_errors();
+    let picture = finished.picture("capture.png");
+    expect_good(&compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run))), &picture, "an unmapped window");
+    assert_eq!(finished.statistics()["views"].as_array().map(Vec::len), Some(5), "they were not planned anew");
 }
 
 /// A toolkit shows a scene in most of the window, with widgets below and above it. The scene is all

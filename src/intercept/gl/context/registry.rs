@@ -83,9 +83,10 @@ pub fn destroyed(handle: usize) {
     });
 }
 
-/// Returns the plan of the window of which another context of the group has ended a frame last. That
-/// context is not current on any thread. Toolkits make contexts with windows that show nothing.
-pub fn lend_session(share: &Arc<ShareGroup>) -> Option<Arc<Session>> {
+/// Returns the plan of the window of which another context of the group has ended a frame last, and
+/// the number of that frame; 0 if no such frame has ended. That context is not current on any
+/// thread. Toolkits make contexts with windows that show nothing.
+pub fn lend_session(share: &Arc<ShareGroup>) -> Option<(u64, Arc<Session>)> {
     contexts(|contexts| {
         let others = contexts.known.values().filter(|e| !e.current && e.context != 0);
         let targets = others.filter(|entry| Arc::ptr_eq(&entry.share, share)).filter_map(|entry| {
@@ -94,7 +95,7 @@ pub fn lend_session(share: &Arc<ShareGroup>) -> Option<Arc<Session>> {
             let other = unsafe { &*(entry.context as *const Context) };
             other.drawable.target().map(|target| (other.frame.last(), target))
         });
-        targets.max_by_key(|(last, _)| *last).map(|(_, target)| target.session.clone())
+        targets.max_by_key(|(last, _)| *last).map(|(last, target)| (last, target.session.clone()))
     })
 }
 

@@ -17,6 +17,7 @@ impl Context {
     /// Attaches the context to `window`, with which it became current; `None`: it has no window.
     pub fn attach(&mut self, window: Option<Window>, reads_elsewhere: bool) {
         self.drawable.note_reads(reads_elsewhere);
+        let window = window.filter(|window| !self.only_needs_a_window(window));
         for objects in self.drawable.take_left_behind() {
             objects.destroy(self.driver.gl);
         }
@@ -53,9 +54,17 @@ impl Context {
         }
     }
 
+    /// True if `window` shows nothing, and the program draws off screen for the window of another
+    /// context. Toolkits make such windows, as a context needs one to become current.
+    fn only_needs_a_window(&self, window: &Window) -> bool {
+        self.frame.last() == 0
+            && registry::lend_session(&self.share).is_some_and(|(last, _)| last > 0)
+            && window.look().occluded
+    }
+
     /// Takes the plan of another context's window in the group, for a context without a window.
     fn borrow(&mut self) {
-        let borrowed = registry::lend_session(&self.share);
+        let borrowed = registry::lend_session(&self.share).map(|(_, session)| session);
         if self.drawable.borrowed_session().map(Arc::as_ptr) != borrowed.as_ref().map(Arc::as_ptr) {
             self.drawable.borrow_session(borrowed);
             self.compat.projection.clear();
