@@ -3,7 +3,8 @@
  * Another context, which shares the texture, draws the window with it. A third one has a window that
  * shows nothing. With --mode docked the scene fills only a small part of the window. With --mode panes
  * it fills most of it, between widgets; with panes-copied it is copied there. With --mode unmapped the
- * first context has a window, which is not mapped.
+ * first context has a window, which is not mapped. With --mode late another window is mapped after its
+ * context became current for the only time, and shows the scene from then on.
  */
 #include "common/fixed.h"
 
@@ -139,8 +140,26 @@ static void draw_panes(const app *a)
     rectangle(0, bottom + height, a->window.width, a->window.height - bottom - height);
 }
 
+static void go_on_in_another_window(app *a)
+{
+    window late = window_open_beside(&a->window, &a->request);
+    XUnmapWindow(late.display, late.window);
+    XSync(late.display, False);
+    late.context = glXCreateNewContext(late.display, a->window.config, GLX_RGBA_TYPE, a->window.context, True);
+    window_make_current(&late);
+    XMapWindow(late.display, late.window);
+    XSync(late.display, False);
+    a->window = late;
+}
+
 static void draw(app *a)
 {
+    if (is_mode(a, "late")) {
+        if (a->frame == 4)
+            go_on_in_another_window(a);
+        fixed_cube(a);
+        return;
+    }
     glXMakeContextCurrent(a->window.display, nowhere, nowhere, studio);
     if (framebuffer == 0)
         make_framebuffer();

@@ -17,6 +17,7 @@ tests! {
     passes_that_hold_the_camera_s_matrices,
     a_toolkit_s_two_contexts,
     a_toolkit_s_window_that_is_not_shown,
+    a_window_that_is_shown_later,
     a_scene_between_widgets,
     a_scene_that_stays_flat_is_told,
     duplication_can_be_switched_off_and_forced,
@@ -140,6 +141,19 @@ fn a_toolkit_s_window_that_is_not_shown() {
     let picture = finished.picture("capture.png");
     expect_good(&compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run))), &picture, "an unmapped window");
     assert_eq!(finished.statistics()["views"].as_array().map(Vec::len), Some(5), "they were not planned anew");
+}
+
+/// A window that is mapped after its context became current is corrected from its first swap on.
+fn a_window_that_is_shown_later() {
+    let run =
+        Run { extra: &["--mode", "late", "--shot", "shot.ppm"], frames: 10, cupola_frames: 0, ..Run::new("toolkit") };
+    let Some(finished) = run.under("fisheye") else { return };
+    let picture = finished.expect_success().expect_no_gl_errors().picture("shot.ppm");
+    expect_good(
+        &compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run))),
+        &picture,
+        "a window that is shown later",
+    );
 }
 
 /// A toolkit shows a scene in most of the window, with widgets below and above it. The scene is all

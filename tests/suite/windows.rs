@@ -213,8 +213,7 @@ fn a_driver_swaps_a_window_of_its_own() {
         assert!(!seen.contains(&expected), "control: the pictures differ");
         expect_pixels(&other, &expected, &output.name);
         seen.push(expected);
-        let stopped = Command::new("kill").args(["-s", "KILL", &shown.0.id().to_string()]).status();
-        assert!(stopped.expect("kill runs").success());
+        crate::nodes::kill("KILL", shown.0.id());
         shown.0.wait().expect("it ends");
         let mut words = String::new();
         std::io::Read::read_to_string(shown.0.stderr.as_mut().expect("a pipe"), &mut words).expect("text");

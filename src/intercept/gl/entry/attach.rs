@@ -17,7 +17,9 @@ impl Context {
     /// Attaches the context to `window`, with which it became current; `None`: it has no window.
     pub fn attach(&mut self, window: Option<Window>, reads_elsewhere: bool) {
         self.drawable.note_reads(reads_elsewhere);
-        let window = window.filter(|window| !self.only_needs_a_window(window));
+        let unshown = window.as_ref().filter(|window| self.only_needs_a_window(window)).map(Window::handle);
+        self.drawable.note_unshown(unshown);
+        let window = window.filter(|_| unshown.is_none());
         for objects in self.drawable.take_left_behind() {
             objects.destroy(self.driver.gl);
         }
@@ -58,6 +60,7 @@ impl Context {
     /// context. Toolkits make such windows, as a context needs one to become current.
     fn only_needs_a_window(&self, window: &Window) -> bool {
         self.frame.last() == 0
+            && !self.drawable.has_swapped_unshown()
             && registry::lend_session(&self.share).is_some_and(|(last, _)| last > 0)
             && window.look().occluded
     }

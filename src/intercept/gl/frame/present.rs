@@ -55,8 +55,21 @@ pub fn swap<R>(window: Option<Window>, left_out: R, swap: impl FnOnce() -> R) ->
         after_swap();
     } else if let Some(window) = window {
         frame_number::swapped_elsewhere(&window);
+        attach_unshown(window);
     }
     answer
+}
+
+/// Attaches the current context to a window that counted as not shown, once it is swapped.
+fn attach_unshown(window: Window) {
+    let Some(ctx) = current().filter(|c| !c.switched_off) else { return };
+    if !ctx.drawable.swaps(window.handle()) {
+        return;
+    }
+    let reads_elsewhere = ctx.drawable.reads_elsewhere();
+    if crate::fence::guard(|| ctx.attach(Some(window), reads_elsewhere)).is_none() {
+        after_panic("a window that is shown later");
+    }
 }
 
 /// Corrects the frame into the window's back buffer before a swap. Returns false if the window must

@@ -25,6 +25,11 @@ pub struct Drawable {
     /// Plan of the window of another context in the group, for a context without a window. That
     /// window may show its off-screen drawing.
     borrowed_session: Option<Arc<Session>>,
+    /// Window of the context that is not shown and was never swapped, so that the context counts as
+    /// one without a window.
+    unshown: Option<usize>,
+    /// True if such a window was swapped after all.
+    swaps_unshown: bool,
     /// Stand-ins for other windows that the context drew to before.
     other_windows: Vec<(Window, Box<DefaultFramebuffer>)>,
     /// Objects of stand-ins that were given to other contexts.
@@ -53,6 +58,23 @@ impl Drawable {
     pub fn change_window(&mut self, window: Option<Window>) -> Option<Window> {
         self.resized = 0;
         std::mem::replace(&mut self.window, window)
+    }
+
+    /// Notes a window of the context that is not shown; `None`: there is none.
+    pub fn note_unshown(&mut self, window: Option<usize>) {
+        self.unshown = window;
+    }
+
+    /// Notes that a window was swapped. Returns true if it is the one that counted as not shown.
+    pub fn swaps(&mut self, window: usize) -> bool {
+        let is_it = self.unshown.take_if(|unshown| *unshown == window).is_some();
+        self.swaps_unshown |= is_it;
+        is_it
+    }
+
+    /// True if a window was swapped that counted as not shown.
+    pub fn has_swapped_unshown(&self) -> bool {
+        self.swaps_unshown
     }
 
     /// Stores the stand-in for a window that the context has left. Returns the oldest of the stored
