@@ -10,6 +10,7 @@ use crate::intercept::gl::offscreen::view_copies::{
     before_reading_images, copy_count, leave, own_tile, possible, supply, views, without_scissor,
 };
 use crate::intercept::gl::shader::camera_matrices::upload;
+use crate::intercept::gl::shader::changed::images::{self, ImageUnit};
 use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
 use crate::intercept::gl::state::driver::Driver;
@@ -168,16 +169,9 @@ struct BoundImage {
 
 /// Returns the texture that is bound for the program's image at this location.
 fn bound_image(gl: &Gl, program: u32, location: i32) -> Option<BoundImage> {
-    let (mut unit, [mut texture, mut level, mut access]) = (0, [0; 3]);
-    // SAFETY: each writes one integer.
-    unsafe {
-        gl.get_uniformiv(program, location, &mut unit);
-        gl.get_integeri_v(api::GL_IMAGE_BINDING_NAME, unit as u32, &mut texture);
-        gl.get_integeri_v(api::GL_IMAGE_BINDING_LEVEL, unit as u32, &mut level);
-        gl.get_integeri_v(api::GL_IMAGE_BINDING_ACCESS, unit as u32, &mut access);
-    }
-    let (read, written) = (access as u32 != api::GL_WRITE_ONLY, access as u32 != api::GL_READ_ONLY);
-    (texture != 0).then_some(BoundImage { texture: texture as u32, level, read, written })
+    let ImageUnit { texture, level, access } = images::unit(gl, program, location)?;
+    let (read, written) = (access != api::GL_WRITE_ONLY, access != api::GL_READ_ONLY);
+    Some(BoundImage { texture, level, read, written })
 }
 
 /// Returns the place of a bound image in the list.

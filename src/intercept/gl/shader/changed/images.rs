@@ -50,30 +50,44 @@ pub(super) struct KeptImage {
     copy: u32,
 }
 
+/// What is bound to an image unit.
+pub struct ImageUnit {
+    /// Name of the texture.
+    pub texture: u32,
+    /// Level of the texture.
+    pub level: i32,
+    /// How shaders may access it, as in OpenGL.
+    pub access: u32,
+}
+
+/// Returns what is bound to the unit of an image uniform; `None` if nothing is.
+pub fn unit(gl: &Gl, program: u32, location: i32) -> Option<ImageUnit> {
+    let (mut unit, [mut texture, mut level, mut access]) = (0, [0; 3]);
+    // SAFETY: each writes one integer.
+    unsafe {
+        gl.get_uniformiv(program, location, &mut unit);
+        gl.get_integeri_v(api::GL_IMAGE_BINDING_NAME, unit as u32, &mut texture);
+        gl.get_integeri_v(api::GL_IMAGE_BINDING_LEVEL, unit as u32, &mut level);
+        gl.get_integeri_v(api::GL_IMAGE_BINDING_ACCESS, unit as u32, &mut access);
+    }
+    (texture != 0).then_some(ImageUnit { texture: texture as u32, level, access: access as u32 })
+}
+
 /// Returns what is bound to the unit of an image uniform; `None` if the shaders cannot write it, or
 /// if it cannot be kept. Errors may be left.
 pub(super) fn bound(gl: &Gl, image: WrittenImage) -> Option<BoundImage> {
     let WrittenImage { program, location, kind } = image;
     let (target, binding, can_copy) = TARGETS[kind.checked_sub(api::GL_IMAGE_1D)? as usize % TARGETS.len()];
-    let (mut unit, [mut name, mut level, mut access]) = (0, [0; 3]);
-    // SAFETY: each writes one integer.
-    unsafe {
-        gl.get_uniformiv(program, location, &mut unit);
-        gl.get_integeri_v(api::GL_IMAGE_BINDING_NAME, unit as u32, &mut name);
-        gl.get_integeri_v(api::GL_IMAGE_BINDING_LEVEL, unit as u32, &mut level);
-        gl.get_integeri_v(api::GL_IMAGE_BINDING_ACCESS, unit as u32, &mut access);
-    }
-    if name == 0 || access as u32 == api::GL_READ_ONLY {
-        return None;
-    }
+    let ImageUnit { texture: name, level, .. } =
+        unit(gl, program, location).filter(|unit| unit.access != api::GL_READ_ONLY)?;
     let before = integer(gl, binding);
     // SAFETY: the binding is put back.
-    unsafe { gl.bind_texture(target, name as u32) };
-    let is_of_target = integer(gl, binding) == name;
+    unsafe { gl.bind_texture(target, name) };
+    let is_of_target = integer(gl, binding) as u32 == name;
     let bound = match target {
         _ if !is_of_target => None,
         api::GL_TEXTURE_BUFFER => of_buffer(gl),
-        _ => of_texture(gl, Texture { name: name as u32, target, level, size: [0; 3], format: 0 }, can_copy),
+        _ => of_texture(gl, Texture { name, target, level, size: [0; 3], format: 0 }, can_copy),
     };
     // SAFETY: the binding of the program.
     unsafe { gl.bind_texture(target, before as u32) };
