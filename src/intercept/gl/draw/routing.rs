@@ -91,11 +91,12 @@ fn draw_to_window(
         return;
     }
     ctx.note_drawn();
-    let Some(class) = perspective_or_flat(ctx, changes, issue) else { return };
-    inspect(ctx, class, None);
+    // A new tile makes a new plan, for which the draw has to be classified.
     if changed::any(&ctx.share, &ctx.shaders) {
         want_own_picture(ctx);
     }
+    let Some(class) = perspective_or_flat(ctx, changes, issue) else { return };
+    inspect(ctx, class, None);
     let shown = match ctx.session().and_then(Session::turn) {
         Some(view) => Views::only(view),
         None if ctx.queries.primitives() => Views::ALL,

@@ -34,7 +34,12 @@ fn with_programs<T>(
 /// True if the present shaders may change something.
 pub fn any(share: &ShareGroup, shaders: &Shaders) -> bool {
     let changes = |program: &Program| !program.changed_buffers.is_empty() || !program.written_images.is_empty();
-    with_programs(share, shaders, |mut programs| Iterator::any(&mut programs, changes))
+    if shaders.used() != 0 || shaders.bound_pipeline() == 0 {
+        return shaders.program().is_some_and(|program| changes(program));
+    }
+    let stages = shaders.stages();
+    let mut names = stages.last_first().into_iter().chain([stages.fragment()]);
+    names.any(|name| programs::record(share, name).is_some_and(|program| changes(&program)))
 }
 
 /// What the present shaders change.
