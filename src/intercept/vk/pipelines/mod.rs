@@ -3,9 +3,9 @@
 //! Each pipeline of the program gets two variants. One draws into a view, with the reprojection
 //! inserted into its last stage before rasterisation. The other draws onto the panel, whose alpha
 //! channel records where the panel is covered. If the shaders write to buffers or images, there are
-//! two more, without these writes (`spirv::without_writes`), so that a draw writes once. `matrix_sources` reads the value of a matrix that
-//! `spirv::reflect` found. Each pipeline layout gets one more descriptor set, for the view
-//! constants. State: `state::pipelines`.
+//! two more, without these writes (`spirv::without_writes`), so that a draw writes once.
+//! `matrix_sources` reads the value of a matrix that `spirv::reflect` found. Each pipeline layout
+//! gets one more descriptor set, for the view constants. State: `state::pipelines`.
 //!
 //! ```text
 //! state::pipelines::create_info ─ variants ─┬─ spirv::splice, without_writes

@@ -6,13 +6,16 @@
 
 use crate::intercept::vk::spirv::compute::Pointers;
 use crate::intercept::vk::spirv::module::{Declarations, HEADER, Instruction, instructions};
-use spirv::{Op, StorageClass};
+use spirv::{Decoration, Op, StorageClass};
 use std::collections::{HashMap, HashSet};
 
 /// Returns the words of a shader without its writes to buffers and images; `None` if it has none,
 /// or if `words` are no module.
 pub fn without_writes(words: &[u32]) -> Option<Vec<u32>> {
     let all = instructions(words)?;
+    if !all.iter().any(allows_writes) {
+        return None;
+    }
     let declared = Declarations::new(&all);
     let pointers = Pointers::of(&all, &declared);
     let first = all.iter().position(|i| i.is(Op::Function))?;
@@ -39,6 +42,17 @@ pub fn without_writes(words: &[u32]) -> Option<Vec<u32>> {
         }
     }
     Some(changed)
+}
+
+/// True if a shader with this instruction may write to a buffer or an image. Most shaders have none.
+fn allows_writes(i: &Instruction<'_>) -> bool {
+    let shared = [StorageClass::StorageBuffer, StorageClass::PhysicalStorageBuffer];
+    match Op::from_u32(i.opcode) {
+        Some(Op::ImageWrite | Op::ImageTexelPointer) => true,
+        Some(Op::TypePointer) => shared.iter().any(|class| i.operand(1) == *class as u32),
+        Some(Op::Decorate) => i.operand(1) == Decoration::BufferBlock as u32,
+        _ => false,
+    }
 }
 
 /// True if an instruction writes to a buffer or an image.
