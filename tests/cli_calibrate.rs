@@ -75,7 +75,26 @@ fn marks_lead_back_to_the_rig_that_made_them() {
     assert!(text.starts_with("[dome]\ntilt = 15 # leans\n") && text.contains("] # metres\n"), "{text}");
     assert!(text.contains("# calibrated: 27 of 30 marks, 0.000 px rms"), "{text}");
     CUPOLA.refused(&arguments, "exists");
-    CUPOLA.answer(&[&arguments[..8], &["--force"]].concat());
+    let picture = CUPOLA.file("before-after.png");
+    let pictured = ["--force", "--picture", picture.to_str().unwrap()];
+    CUPOLA.answer(&[&arguments[..8], &pictured].concat());
+    check_picture(&picture);
+    let wrong = ["--force", "--picture", "a.svg"];
+    CUPOLA.refused(&[&arguments[..8], &wrong].concat(), "ends in .png");
+}
+
+/// In the left half the projector's grid lies beside that of the other output, in the right half on
+/// it.
+fn check_picture(file: &std::path::Path) {
+    let picture = image::open(file).unwrap().into_rgb8();
+    assert_eq!(picture.dimensions(), (2048, 1024));
+    let lit = |left: u32| {
+        let places = (0..1024).flat_map(|y| (left..left + 1024).map(move |x| (x, y)));
+        places.filter(|(x, y)| picture.get_pixel(*x, *y).0.iter().any(|value| *value > 60)).count()
+    };
+    let (before, after) = (lit(0), lit(1024));
+    println!("{before} and {after} pixels have lines");
+    assert!(after > 10_000 && before > after + after / 20, "{before} {after}");
 }
 
 /// Angles do not determine the size of a dome. One known length does.

@@ -33,15 +33,16 @@ fn camera(lens: CameraLens, random: &mut Random) -> Camera {
 /// Observations of the camera: `each` places of each projector, and `landmarks` of known direction.
 fn observed(exact: &Rig, camera: &Camera, each: usize, landmarks: usize, noise: f64, random: &mut Random) -> Observed {
     let screen = exact.surface();
+    let unit = screen.size();
     let inside = |place: &DVec2| place.cmpge(DVec2::ZERO).all() && place.cmple(DVec2::new(4000.0, 3000.0)).all();
     let mut observed = Observed { photograph: PHOTOGRAPH, ..Observed::default() };
     for (output, described) in exact.outputs.iter().enumerate() {
-        let projector = Projector::new(described, SIZES[output], &[Part::Pose], 5.0).expect("one");
+        let projector = Projector::new(described, SIZES[output], &[Part::Pose], unit).expect("one");
         let optics = projector.optics(&[]);
         let mut found = 0;
         for _ in 0..30 * each {
             let pixel = DVec2::new(random.range(0.0, 1920.0), random.range(0.0, 1080.0));
-            let (origin, direction) = projector.ray(&optics, pixel).expect("a ray");
+            let Some((origin, direction)) = projector.ray(&optics, pixel) else { continue };
             let Some(hit) = screen.hit(origin, direction) else { continue };
             let Some(seen) = camera.place(hit.point).filter(inside) else { continue };
             observed.sightings.push(Sighting { output, pixel, seen: seen + noise * random.gaussian() });
@@ -53,7 +54,8 @@ fn observed(exact: &Rig, camera: &Camera, each: usize, landmarks: usize, noise: 
     }
     while observed.landmarks.len() < landmarks {
         let direction = random.direction();
-        let Some(seen) = camera.place(5.0 * direction).filter(inside) else { continue };
+        let Some(hit) = screen.hit(DVec3::ZERO, direction) else { continue };
+        let Some(seen) = camera.place(hit.point).filter(inside) else { continue };
         observed.landmarks.push((seen + noise * random.gaussian(), direction));
     }
     observed
@@ -146,4 +148,88 @@ fn without_marks_the_first_output_gives_the_aim() {
     let few = Observed { sightings: seen.sightings[..5].to_vec(), ..seen };
     let refused = solve(&rough, &SIZES, &few, &[Part::Pose]).expect_err("too few");
     assert!(refused.message.contains("\"front\" was seen in 5 places"), "{refused}");
+}
+
+/// The rig with other numbers of these parts: up to `pose` for place (parts of the screen's size)
+/// and angles (radians), up to `rest` for the others.
+fn changed(rig: &Rig, parts: &[Part], pose: f64, rest: f64, random: &mut Random) -> Rig {
+    let mut changed = rig.clone();
+    for (output, size) in changed.outputs.iter_mut().zip(SIZES) {
+        let projector = Projector::new(output, size, parts, rig.surface().size()).expect("a projector");
+        let most = |index| if index < Part::Pose.parameters() { pose } else { rest };
+        let numbers: Vec<f64> =
+            (0..projector.parameters()).map(|index| random.range(-most(index), most(index))).collect();
+        output.kind = OutputKind::Optics { optics: Box::new(projector.optics(&numbers)), even_light: 0.0 };
+    }
+    changed
+}
+
+/// Root mean square error over the pictures of all outputs, pixels.
+fn error(exact: &Rig, found: &Found) -> f64 {
+    let screen = exact.surface();
+    marks::rms(found.outputs.iter().map(|(output, solved)| {
+        let projector = Projector::new(&exact.outputs[*output], SIZES[*output], &[], 1.0).expect("one");
+        marks::difference(&projector, &projector.optics(&[]), &solved.optics, &screen)
+    }))
+}
+
+/// Lenses that are not known, with distortion, and a spherical mirror that is not known.
+#[test]
+fn lenses_and_mirrors_are_found() {
+    let mut random = Random::new(105);
+    let lens = [Part::Pose, Part::Fov, Part::Shift, Part::Radial];
+    for (preset, parts) in [("planetarium-6", &lens[..]), ("idome", &[Part::Pose, Part::Mirror])] {
+        let described = rig::load(preset).expect("a preset");
+        let unit = described.surface().size();
+        let mut squares = 0.0;
+        let mut least = 0.0;
+        for noise in [0.0, 0.3, 0.3] {
+            let exact = changed(&described, parts, 0.01, 0.02, &mut random);
+            let rough = changed(&exact, parts, 0.01, 0.01, &mut random);
+            let mut camera = camera(CameraLens::Fisheye, &mut random);
+            camera.pose.position *= 0.2 * unit;
+            if preset == "idome" {
+                camera.pose.rotation = pose::rotation(0.1, 0.05, 0.2);
+            }
+            let observed = observed(&exact, &camera, 100, 30, noise, &mut random);
+            let found = solve(&rough, &SIZES[..exact.outputs.len()], &observed, parts).expect("determined");
+            let error = error(&exact, &found);
+            let limits = limits(&exact, &SIZES[..exact.outputs.len()], &observed, &camera, parts, 0.3);
+            let limit = marks::rms(limits.expect("projectors").expect("determined").into_iter());
+            println!("{preset} {noise}: {error} px, at least {limit}");
+            if noise == 0.0 {
+                assert!(error < 1e-3, "{preset}: {error} px of exact places");
+            } else {
+                squares += error * error;
+                least += limit * limit;
+            }
+        }
+        let ratio = (squares / least).sqrt();
+        assert!(ratio < 1.2 && ratio > 0.3, "{preset}: {ratio} of the least error");
+    }
+}
+
+/// As many places as a photograph with blurred patterns gives, some of them wrong, and a hundred
+/// marks: a tenth of a pixel.
+#[test]
+fn noise_and_wrong_places_leave_a_tenth_of_a_pixel() {
+    let mut random = Random::new(106);
+    let exact = rig::load("planetarium-6").expect("a preset");
+    let camera = camera(CameraLens::Fisheye, &mut random);
+    let right = observed(&exact, &camera, 400, 100, 0.3, &mut random);
+    let mut observed = right.clone();
+    let mut wrong = |seen: &mut DVec2| *seen += random.gaussian() * 300.0 + 10.0;
+    observed.sightings.iter_mut().step_by(10).for_each(|sighting| wrong(&mut sighting.seen));
+    observed.landmarks.iter_mut().step_by(10).for_each(|(seen, _)| wrong(seen));
+    let found = solve(&rough(&exact, &mut random), &SIZES, &observed, &[Part::Pose]).expect("determined");
+    let mut right = right;
+    let mut index = 0..;
+    right.sightings.retain(|_| index.next().is_some_and(|index: usize| !index.is_multiple_of(10)));
+    let mut index = 0..;
+    right.landmarks.retain(|_| index.next().is_some_and(|index: usize| !index.is_multiple_of(10)));
+    let limits = limits(&exact, &SIZES, &right, &camera, &[Part::Pose], 0.3).expect("projectors");
+    let limit = marks::rms(limits.expect("determined").into_iter());
+    let error = error(&exact, &found);
+    println!("{error} px, at least {limit}");
+    assert!(error < 0.1 && error < 1.2 * limit.max(0.05), "{error} px, at least {limit}");
 }

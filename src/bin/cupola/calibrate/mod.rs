@@ -1,6 +1,7 @@
 //! `cupola calibrate`: places, aims and lenses of projectors from marks on the dome or
 //! photographs of it.
 
+mod compared;
 mod length;
 mod light;
 pub mod marks;
@@ -60,6 +61,9 @@ pub struct Arguments {
     /// Rig file to write: the same rig with the results
     #[arg(short = 'o', long = "out", value_name = "FILE.toml", required_unless_present_any = ["patterns", "camera"])]
     out: Option<PathBuf>,
+    /// Picture to write: the grid of the dome as the projectors show it, before and after
+    #[arg(long, value_name = "FILE.png", requires = "out")]
+    picture: Option<PathBuf>,
     /// Other unknown numbers of the projectors, besides their pose: fov, shift, radial, tangential,
     /// mirror
     #[arg(long, value_name = "PART,…", value_delimiter = ',', value_parser = part)]
@@ -116,6 +120,13 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         }
         convert::refuse_to_replace(out, arguments.force)?;
     }
+    if let Some(picture) = &arguments.picture {
+        if picture.extension().is_none_or(|ending| ending != "png") {
+            let file = picture.display();
+            return Err(Failure::usage(format!("--picture {file}: expected a file name that ends in .png")));
+        }
+        convert::refuse_to_replace(picture, arguments.force)?;
+    }
     // Mistakes in marks are found before photographs are made.
     let marks = arguments.marks.as_deref().map(|file| marks::read(file, &rig)).transpose()?.unwrap_or_default();
     if let Some((command, folder)) = arguments.camera.as_ref().zip(arguments.photos.as_ref()) {
@@ -150,6 +161,10 @@ fn solve(arguments: &Arguments, rig: &Rig, marks: &[marks::Line], out: &Path) ->
     let length = arguments.length.as_ref();
     let radius = length.map(|length| length.apply(rig, &mut found, camera.as_mut())).transpose()?;
     written::write(&arguments.rig, rig, &parts, &found, radius, masks.as_deref().unwrap_or_default(), out)?;
+    if let Some(picture) = &arguments.picture {
+        let after = rig::load(&out.display().to_string())?.with_all_outputs().into_owned();
+        compared::write(picture, rig, &after)?;
+    }
     if arguments.json {
         println!("{:#}", report::json(rig, &found, camera.as_ref(), light.as_ref(), out));
         return Ok(ExitCode::SUCCESS);

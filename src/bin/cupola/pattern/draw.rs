@@ -1,7 +1,10 @@
 //! Pattern of one output, through its exact map.
 
+mod shared;
+
 use crate::canvas::{Canvas, Color, Letters};
 use crate::failure::Failure;
+use cupola::blend::Weights;
 use cupola::rig::{OutputKind, Rig};
 use cupola::warp::WarpMap;
 use glam::{DMat3, DVec2, DVec3};
@@ -17,6 +20,8 @@ pub enum Part {
     Focus,
     /// Number of outputs that light each place: grey one, green two, blue three, red more
     Overlap,
+    /// Lines on which two outputs share the light equally
+    Seams,
     /// Grid of azimuth and elevation
     Horizon,
     /// Grid of angles from the dome's pole and around it
@@ -37,13 +42,13 @@ const HALF: f64 = 0.75;
 const LABELLED: f64 = 30.0;
 /// Length of the arms of a cross, radians.
 const ARM: f64 = 0.09;
-/// Side of the squares in which overlaps are drawn, pixels.
-const SQUARE: u32 = 8;
 
 /// A pattern for a rig.
 pub struct Pattern<'a> {
     rig: &'a Rig,
     maps: Vec<WarpMap>,
+    /// Blend weights, if seams are drawn.
+    weights: Option<Weights<'a>>,
     parts: &'a [Part],
     /// Distance of lines, degrees.
     step: f64,
@@ -63,7 +68,8 @@ impl<'a> Pattern<'a> {
     ) -> Result<Self, Failure> {
         let maps = sizes.iter().enumerate().map(|(index, size)| WarpMap::new(rig, index, *size, None));
         let crosses = crosses.iter().map(|[azimuth, elevation]| towards(*azimuth, *elevation)).collect();
-        Ok(Self { rig, maps: maps.collect::<Result<_, _>>()?, parts, step, crosses })
+        let weights = parts.contains(&Part::Seams).then(|| Weights::new(rig, sizes)).transpose()?;
+        Ok(Self { rig, maps: maps.collect::<Result<_, _>>()?, weights, parts, step, crosses })
     }
 
     /// Draws the picture of an output.
@@ -78,6 +84,7 @@ impl<'a> Pattern<'a> {
                 Part::Ramps => ramps(&mut canvas),
                 Part::Focus => focus(&mut canvas),
                 Part::Overlap => self.overlap(index, &mut canvas),
+                Part::Seams => self.seams(index, &mut canvas),
                 Part::Horizon => self.grid(index, &directions, DMat3::IDENTITY, HORIZON, &mut canvas),
                 // These axes have the pole at the top and the front ahead.
                 Part::Dome => {
@@ -178,26 +185,6 @@ impl<'a> Pattern<'a> {
         if let Some(at) = self.place(index, target) {
             let (azimuth, elevation) = (target.x.atan2(-target.z).to_degrees(), target.y.asin().to_degrees());
             canvas.label(&format!("{azimuth:.2}, {elevation:.2}"), [at.x, at.y + 16.0], CROSS);
-        }
-    }
-
-    /// Draws squares in the colour of the number of outputs that light them.
-    fn overlap(&self, index: usize, canvas: &mut Canvas) {
-        let (width, height) = self.maps[index].size();
-        for (row, column) in
-            (0..height.div_ceil(SQUARE)).flat_map(|row| (0..width.div_ceil(SQUARE)).map(move |column| (row, column)))
-        {
-            let middle = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5) * f64::from(SQUARE);
-            let Some(point) = self.maps[index].hit(middle) else { continue };
-            let others = self.maps.iter().enumerate();
-            let others = others.filter(|(other, map)| *other != index && map.pixel(point).is_some()).count();
-            let color = match others {
-                0 => [0.25; 3],
-                1 => [0.1, 0.45, 0.15],
-                2 => [0.12, 0.2, 0.6],
-                _ => [0.55, 0.12, 0.12],
-            };
-            canvas.rectangle((column * SQUARE, row * SQUARE), (SQUARE, SQUARE), color);
         }
     }
 

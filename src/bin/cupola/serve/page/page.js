@@ -436,12 +436,12 @@ function mark() {
 
 // ---- patterns ----
 
-const PATTERNS = { horizon: 'Azimuth and elevation', dome: 'Angles of the dome', border: 'Borders and names', overlap: 'Overlaps', ramps: 'Grey and colour', focus: 'Focus', white: 'White' };
+const PATTERNS = { horizon: 'Azimuth and elevation', dome: 'Angles of the dome', border: 'Borders and names', overlap: 'Overlaps', seams: 'Seams', ramps: 'Grey and colour', focus: 'Focus', white: 'White' };
 for (const [part, name] of Object.entries(PATTERNS)) {
   const button = element('button', { textContent: name });
   button.dataset.part = part;
   button.onclick = () => {
-    const shown = page.state.pattern.parts, order = ['white', 'ramps', 'focus', 'overlap', 'horizon', 'dome', 'border'];
+    const shown = page.state.pattern.parts, order = ['white', 'ramps', 'focus', 'overlap', 'seams', 'horizon', 'dome', 'border'];
     showPattern({ parts: order.filter(other => shown.includes(other) !== (other === part)) });
   };
   $('parts').append(button);
