@@ -35,6 +35,8 @@ pub struct Mesh {
     nodes: Vec<Node>,
     faces: Faces,
     size: f64,
+    /// Mean number of triangles that a ray is tested with.
+    layers: f64,
     /// Edges that belong to only one triangle, just within it; at most [`MOST_RIMS`], evenly
     /// chosen.
     rims: Vec<[DVec3; 2]>,
@@ -117,10 +119,10 @@ impl Mesh {
         let size = 0.5 * (high - low).max_element();
         let mut nodes = Vec::with_capacity(triangles.len());
         build(&mut triangles, 0, PADDING * size, &mut nodes);
-        let mut mesh = Self { triangles, nodes, faces, size, rims: Vec::new() };
-        let layers = mesh.mean_on_ray();
-        if layers > MOST_ON_RAY {
-            return Err(MeshProblem::Layers(layers));
+        let mut mesh = Self { triangles, nodes, faces, size, layers: 0.0, rims: Vec::new() };
+        mesh.layers = mesh.mean_on_ray();
+        if mesh.layers > MOST_ON_RAY {
+            return Err(MeshProblem::Layers(mesh.layers));
         }
         mesh.rims = single_edges(&mesh.triangles);
         Ok(mesh)
@@ -159,6 +161,11 @@ impl Mesh {
     /// The triangles, in no particular order.
     pub fn triangles(&self) -> &[Triangle] {
         &self.triangles
+    }
+
+    /// Returns the mean number of triangles that a ray through one of them is tested with.
+    pub fn tested(&self) -> f64 {
+        self.layers
     }
 
     /// Returns the side of the triangles that is screen.

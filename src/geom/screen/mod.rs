@@ -149,6 +149,14 @@ impl Screen {
         self.surface().size()
     }
 
+    /// Mean number of triangles that a ray is tested with; 0 for a screen without triangles.
+    pub fn tested(&self) -> f64 {
+        match &self.shape {
+            Shape::Mesh(mesh) => mesh.tested(),
+            _ => 0.0,
+        }
+    }
+
     /// True if the screen is smooth between its rims. Then its map changes smoothly across a
     /// picture.
     pub fn is_smooth(&self) -> bool {

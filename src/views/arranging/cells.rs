@@ -61,7 +61,7 @@ pub fn with_cell_costs<R>(rig: &Rig, request: &Request, search: impl FnOnce(&Cel
         projected::view(rig, index, output_maps[index].size).is_none()
             && own_view(&rig.outputs[index].kind, index, &output_maps[index], rig.views.method).is_none()
     };
-    let mut effort = Effort::of_plan();
+    let mut effort = Effort::of_plan(rig);
     let shared: Vec<(usize, Samples)> = (0..output_maps.len())
         .filter(|&index| shares(index))
         .map(|index| (index, Samples::new(&output_maps[index], COARSE, &mut effort)))

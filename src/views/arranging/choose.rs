@@ -8,7 +8,7 @@ use crate::views::arranging::dedicated::{OutputSamples, dedicated_within};
 use crate::views::arranging::partition::{Partition, Task, WideCell, diagram};
 use crate::views::arranging::planned_view::{Arrangement, PlannedView};
 use crate::views::fitting::axes::facing;
-use crate::views::sampling::effort::{Effort, MOST_PLACES};
+use crate::views::sampling::effort::Effort;
 use crate::views::sampling::output_map::{OutputMap, lens_rotation};
 use crate::views::sampling::sample::mean_direction;
 use crate::views::sampling::samples::Samples;
@@ -25,7 +25,7 @@ pub(super) const MOST_TEXELS_PER_PIXEL: f64 = 64.0;
 
 /// Chooses the views for outputs of the given sizes.
 pub(crate) fn arrange(rig: &Rig, output_maps: &[OutputMap]) -> Result<Arrangement> {
-    arrange_within(rig, output_maps, &mut Effort::of_plan())
+    arrange_within(rig, output_maps, &mut Effort::of_plan(rig))
 }
 
 /// As [`arrange`], with what `effort` permits.
@@ -36,7 +36,7 @@ fn arrange_within(rig: &Rig, output_maps: &[OutputMap], effort: &mut Effort) -> 
     for (index, (output, output_map)) in rig.outputs.iter().zip(output_maps).enumerate() {
         let this = OutputSamples::new(rig, index, output_map, effort);
         if effort.is_spent() {
-            return Err(too_much_work(&output.name, index));
+            return Err(too_much_work(&output.name, index, effort.most()));
         }
         let single = rig.views.method == ViewMethod::Single && rig.views.cells.is_empty();
         if output_map.size == (0, 0) {
@@ -185,13 +185,13 @@ fn without_view(rig: &Rig, outputs: &[usize]) -> Error {
 }
 
 /// Error for output `name`, which spends what `others` outputs before it have left.
-fn too_much_work(name: &str, others: usize) -> Error {
+fn too_much_work(name: &str, others: usize, most: u64) -> Error {
     let before = if others > 0 { format!(", together with the {others} outputs before it") } else { String::new() };
     Error::new(
         ErrorKind::InvalidRig,
         format!(
             "output {name}: directions change so unevenly over its picture that the planner would need more than \
-             {MOST_PLACES} samples of it{before}, which is its limit; use a mesh or a calibration with fewer or smoother \
+             {most} samples of it{before}, which is its limit; use a mesh or a calibration with fewer or smoother \
              faces, or fewer outputs"
         ),
     )
@@ -334,12 +334,12 @@ mod tests {
         let mut rig = rig(outputs.collect());
         rig.viewer.position = DVec3::new(0.0, 0.0, 3.0);
         let maps: Vec<OutputMap> = (0..64).map(|i| OutputMap::new(&rig, i, (1920, 1080)).expect("a map")).collect();
-        let mut effort = Effort::of_plan();
+        let mut effort = Effort::of_plan(&rig);
         for (index, map) in maps.iter().enumerate() {
             OutputSamples::new(&rig, index, map, &mut effort);
         }
-        let needed = MOST_PLACES - effort.left();
-        assert!(8 * needed < MOST_PLACES, "64 projectors need {needed}");
+        let needed = effort.most() - effort.left();
+        assert!(8 * needed < effort.most(), "64 projectors need {needed}");
         // A part of what is needed is refused, and as much as is needed is not.
         rig.outputs.truncate(3);
         let error = arrange_within(&rig, &maps[..3], &mut Effort::of(needed / 64)).expect_err("too little");
@@ -373,7 +373,7 @@ mod tests {
             let output_maps: Vec<OutputMap> = (0..rig.outputs.len()).map(output_map).collect();
             let sampled = || -> Vec<OutputSamples> {
                 let maps = output_maps.iter().enumerate();
-                maps.map(|(i, map)| OutputSamples::new(&rig, i, map, &mut Effort::of_plan())).collect()
+                maps.map(|(i, map)| OutputSamples::new(&rig, i, map, &mut Effort::of_plan(&rig))).collect()
             };
             let (quick, whole) = (sampled(), sampled());
             let best = best(&rig, &quick, &output_maps, 0.0).expect("a plan");

@@ -369,8 +369,11 @@ mod tests {
         ]);
         let (mut none, mut all, mut some) = (0, 0, 0);
         for index in 0..rig.outputs.len() {
-            let samples =
-                Samples::new(&OutputMap::new(&rig, index, (320, 200)).expect("a map"), COARSE, &mut Effort::of_plan());
+            let samples = Samples::new(
+                &OutputMap::new(&rig, index, (320, 200)).expect("a map"),
+                COARSE,
+                &mut Effort::of_plan(&rig),
+            );
             let everything = samples.iter().count();
             for _ in 0..300 {
                 // Cones of all widths: three sides around an axis.
