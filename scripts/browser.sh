@@ -5,9 +5,11 @@
 # shellcheck disable=SC2034 # used by the scripts that source this file
 browser_packages=(chromium chromium-driver curl jq)
 
-# start_browser FOLDER WIDTH HEIGHT: starts a browser whose pages have this size. stop_browser ends it.
+# start_browser FOLDER WIDTH HEIGHT [phone]: starts a browser whose pages have this size, perhaps that of a phone.
+# stop_browser ends it.
 start_browser() {
-    local folder=$1 port=0 answer
+    local folder=$1 port=0 answer phone={}
+    [ "${4-}" != phone ] || phone="{ \"mobileEmulation\": { \"deviceMetrics\": { \"width\": $2, \"height\": $3, \"pixelRatio\": 2, \"touch\": true } } }"
     # The driver prints the port that it has chosen.
     chromedriver --port=0 >"$folder/driver.txt" 2>&1 &
     browser_driver=$!
@@ -20,9 +22,10 @@ start_browser() {
     browser=http://127.0.0.1:$port
     # Chromium's sandbox refuses to run as root, and this may run as root; the page is trusted. As Chromium does by itself
     # without a graphics card, SwiftShader draws WebGL, and the rest of the page is put together without it.
-    answer=$(driver POST session "$(jq --null-input --arg size "$2,$3" '{ capabilities: { alwaysMatch: { "goog:chromeOptions": { args: [
-        "--headless=new", "--no-sandbox", "--hide-scrollbars", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader", "--window-size=" + $size ] }, timeouts: { script: 3600000 } } } }')")
+    answer=$(driver POST session "$(jq --null-input --arg size "$2,$3" --argjson phone "$phone" '{ capabilities: { alwaysMatch: { "goog:chromeOptions": ($phone + { args: [
+        "--headless=new", "--no-sandbox", "--hide-scrollbars", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader", "--window-size=" + $size ] }), timeouts: { script: 3600000 } } } }')")
     browser=$browser/session/$(jq --raw-output .sessionId <<<"$answer")
+    [ "${4-}" != phone ] || return 0
     # The window contains bars beside the page.
     answer=$(driver POST execute/sync '{ "script": "return outerHeight - innerHeight", "args": [] }')
     driver POST window/rect "{ \"width\": $2, \"height\": $(($3 + answer)) }" >/dev/null
@@ -66,14 +69,14 @@ click() {
     click_at "$1" 0.5
 }
 
-# click_at SELECTOR PART: clicks at a part of the element's width.
+# click_at SELECTOR PART [touch]: clicks at a part of the element's width, or touches it there.
 click_at() {
     local element offset
     element=$(driver POST element "$(jq --null-input --arg value "$1" '{ using: "css selector", value: $value }')" | jq '.[]')
     # shellcheck disable=SC2016 # JavaScript
     offset=$(in_page 'const box = document.querySelector(given[0]); box.scrollIntoView({ block: "center" });
         return Math.round((given[1] - 0.5) * (box.clientWidth - 2));' "$1" "$2")
-    driver POST actions "{ \"actions\": [{ \"type\": \"pointer\", \"id\": \"pointer\", \"actions\": [
+    driver POST actions "{ \"actions\": [{ \"type\": \"pointer\", \"id\": \"pointer\", \"parameters\": { \"pointerType\": \"${3-mouse}\" }, \"actions\": [
         { \"type\": \"pointerMove\", \"duration\": 0, \"origin\": { \"element-6066-11e4-a52e-4f735466cecf\": $element }, \"x\": $offset, \"y\": 0 },
         { \"type\": \"pointerDown\", \"button\": 0 }, { \"type\": \"pointerUp\", \"button\": 0 }] }] }" >/dev/null
 }

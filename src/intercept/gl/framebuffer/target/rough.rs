@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 /// Time after the last change of the rig after which its own plan is made. That takes up to a
 /// second, in which further changes would have to wait.
-const REST: Duration = Duration::from_millis(800);
+const REST: Duration = Duration::from_millis(1500);
 
 /// True if somebody looks at the pictures of this process as they come. Recorded pictures are exact.
 fn is_watched(settings: &Settings) -> bool {
