@@ -6,12 +6,13 @@
 browser_packages=(chromium chromium-driver curl jq)
 
 # start_browser FOLDER WIDTH HEIGHT [phone]: starts a browser whose pages have this size, perhaps that of a phone.
-# stop_browser ends it.
+# stop_browser ends it. If browser_nice is set, it is a command that starts the browser, such as "nice -n 19".
 start_browser() {
     local folder=$1 port=0 answer phone={}
     [ "${4-}" != phone ] || phone="{ \"mobileEmulation\": { \"deviceMetrics\": { \"width\": $2, \"height\": $3, \"pixelRatio\": 2, \"touch\": true } } }"
     # The driver prints the port that it has chosen.
-    chromedriver --port=0 >"$folder/driver.txt" 2>&1 &
+    # shellcheck disable=SC2086 # several words
+    ${browser_nice-} chromedriver --port=0 >"$folder/driver.txt" 2>&1 &
     browser_driver=$!
     for _ in {1..100}; do
         port=$(sed -n 's/.*started successfully on port \([0-9]*\).*/\1/p' "$folder/driver.txt")
