@@ -101,6 +101,17 @@ static void draw(app *a)
         glUniform1f(glGetUniformLocation(program, "number"), counter() % 1000 * 1e-3f);
         glUseProgram(0);
     }
+    if (a->mode && strcmp(a->mode, "texture") == 0 && a->frame >= 2) {
+        const GLuint pixels[2][2] = {{1, counter()}, {3, 4}};
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, 2, 2, 0, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
+    }
+    if (a->mode && strcmp(a->mode, "array") == 0 && a->frame >= 2) {
+        const GLfloat corners[3][2] = {{0, 0}, {1, 0}, {0, 1 + counter() % 1000 * 1e-3f}};
+        glEnableClientState(GL_VERTEX_ARRAY);
+        glVertexPointer(2, GL_FLOAT, 0, corners);
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+        glDisableClientState(GL_VERTEX_ARRAY);
+    }
     /* The driver chooses the names, and Cupola's objects exist by then. */
     if (a->mode && strcmp(a->mode, "late") == 0 && a->frame >= 2) {
         if (late == 0) {

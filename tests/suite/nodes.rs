@@ -88,9 +88,9 @@ fn with_their_own_clocks_nodes_differ() {
 
 fn a_program_that_reads_past_the_clock_is_named() {
     let nodes = ["node", "--local", "2", "--unpaced", PATIENT[0], PATIENT[1]];
-    // The program reads the counter from its third frame on, for a matrix or for a number in a
-    // shader.
-    for mode in ["counter", "uniform"] {
+    // The program reads the counter from its third frame on: for a matrix, a number in a shader, the
+    // pixels of a texture, or vertices in its own memory.
+    for mode in ["counter", "uniform", "texture", "array"] {
         let Some(nodes) = by_time(&rig(), mode, 6, &nodes) else { return };
         let words = "node 1 draws something else than the others in frame 3";
         assert!(nodes.words().contains(words), "{mode}: {}", nodes.words());
@@ -135,7 +135,12 @@ fn a_vulkan_program_that_differs_is_named() {
         let shell = ["sh", "-c", &format!("exec \"$0\" \"$@\" --yaw {yaw}")];
         let Some(finished) = cube_on_nodes(folder, "2", &["--frames", "4"], &shell) else { return };
         assert!(finished.words().contains(words), "{yaw}: {}", finished.words());
+        assert!(!finished.words().contains("different sizes"), "{}", finished.words());
     }
+    // The second node's window is a pixel higher.
+    let shell = ["sh", "-c", "exec \"$0\" \"$@\" --size 96x9$((6 + ${CUPOLA_NODE%/*}))"];
+    let finished = cube_on_nodes(folder, "2", &["--frames", "4"], &shell).expect("a display");
+    assert!(finished.words().contains("windows of different sizes"), "{}", finished.words());
 }
 
 /// Draws go only to the views that a node's outputs show. The pictures are those of nodes that draw

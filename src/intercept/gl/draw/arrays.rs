@@ -16,6 +16,7 @@ use crate::intercept::gl::state::draw::primitives::Shape;
 use crate::intercept::gl::state::vertex_input::vertex_ranges::{Layout, Vertices};
 use crate::intercept::gl::vertex_input::ranges::{self, index_at, index_width, restarts};
 use crate::intercept::gl::vertex_input::vertex_arrays;
+use crate::intercept::process::call_sum;
 use std::ffi::c_void;
 
 /// Returns a box around `vertices` of the arrays that the program has set.
@@ -25,6 +26,26 @@ use std::ffi::c_void;
 pub unsafe fn around(ctx: &mut Context, vertices: Vertices) -> Bounds {
     // SAFETY: as promised.
     unsafe { find(ctx, vertices) }.unwrap_or(Bounds::UNKNOWN)
+}
+
+/// Adds a box around vertices in the program's memory to the checksum of the frame's calls. Arrays in
+/// buffers are summed when they are filled.
+///
+/// # Safety
+/// As for [`around`].
+unsafe fn sum_up(ctx: &mut Context, vertices: Vertices) {
+    if !call_sum::is_on() || ctx.compiling() {
+        return;
+    }
+    let array = position::array(&ctx.driver, &ctx.app, &ctx.shaders);
+    let layout =
+        array.and_then(|(array, components)| Layout::of(&ctx.driver, &mut ctx.vertex_input, array, components));
+    if layout.is_some_and(|layout| layout.buffer == 0) {
+        // SAFETY: as promised.
+        let known = unsafe { around(ctx, vertices) }.known();
+        let corners = known.into_iter().flat_map(|(low, high)| [low, high]).flat_map(|corner| corner.to_array());
+        corners.for_each(|value| call_sum::add(value.to_bits()));
+    }
 }
 
 /// # Safety
@@ -94,6 +115,7 @@ macro_rules! array_hooks {
     ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ) of $vertices:expr $(, from $instance:expr)?; )*) => {
         hooks! {
             $( $name $method(mode: u32, $($p: $t),*) = |ctx, _gl| {
+                sum_up(ctx, $vertices);
                 let read = projected_vertices::read_arrays(ctx, mode, $vertices);
                 let bounds = |ctx: &mut Context| around(ctx, $vertices);
                 let issue = |ctx: &mut Context, gl: &Gl| gl.$method(ctx.draw.issued_mode(mode), $($p),*);

@@ -55,7 +55,11 @@ pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::Present
     // SAFETY: the lengths and arrays of the program's structure.
     if let Some(first) = unsafe { slice(changed.p_swapchains, changed.swapchain_count) }.first() {
         // A late frame is presented all the same, because an acquired image has to be presented.
-        nodes::end_frame(clock::window_of_swapchain(first.as_raw()), || (0, 0));
+        let size = || {
+            let extent = device.swapchains.managed(*first).map(|managed| managed.locked().extent).unwrap_or_default();
+            (extent.width, extent.height)
+        };
+        nodes::end_frame(clock::window_of_swapchain(first.as_raw()), size);
     }
     // SAFETY: the program's own call; the structure differs only in its semaphores.
     let result = unsafe { (device.driver.swapchain.queue_present_khr)(queue, &changed) };

@@ -13,5 +13,6 @@ pub mod clears;
 pub mod direct_state;
 pub mod direct_state_ext;
 pub mod draw_buffers;
+pub mod summed_pixels;
 pub mod textures;
 pub mod window_answers;

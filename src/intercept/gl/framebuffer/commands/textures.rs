@@ -6,7 +6,7 @@ use crate::correct::{LowerLeftRect, Size};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
-use crate::intercept::gl::framebuffer::commands::window_answers;
+use crate::intercept::gl::framebuffer::commands::{summed_pixels, window_answers};
 use crate::intercept::gl::framebuffer::reading::read_back;
 use crate::intercept::gl::offscreen::{sampling, transfers, view_copies};
 use std::ffi::c_void;
@@ -84,14 +84,17 @@ fn copied(
 
 hooks! {
     "glTexImage2D" tex_image2_d(target: u32, level: i32, internal: i32, w: i32, h: i32, border: i32, format: u32, kind: u32, pixels: *const c_void) = |ctx, gl| {
+        summed_pixels::add(&ctx.driver, Size::new(w, h), (format, kind), pixels);
         let texture = bound(ctx, target);
         specified(ctx, texture, level, Size::new(w, h), || gl.tex_image2_d(target, level, internal, w, h, border, format, kind, pixels), !pixels.is_null());
     };
     "glTexSubImage2D" tex_sub_image2_d(target: u32, level: i32, x: i32, y: i32, w: i32, h: i32, format: u32, kind: u32, pixels: *const c_void) = |ctx, gl| {
+        summed_pixels::add(&ctx.driver, Size::new(w, h), (format, kind), pixels);
         gl.tex_sub_image2_d(target, level, x, y, w, h, format, kind, pixels);
         view_copies::uploaded(ctx, bound(ctx, target));
     };
     "glTextureSubImage2D" texture_sub_image2_d(texture: u32, level: i32, x: i32, y: i32, w: i32, h: i32, format: u32, kind: u32, pixels: *const c_void) = |ctx, gl| {
+        summed_pixels::add(&ctx.driver, Size::new(w, h), (format, kind), pixels);
         gl.texture_sub_image2_d(texture, level, x, y, w, h, format, kind, pixels);
         view_copies::uploaded(ctx, texture);
     };

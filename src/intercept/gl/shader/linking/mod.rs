@@ -19,7 +19,7 @@ use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::shader::position_names::PositionNames;
 use crate::intercept::gl::state::shader::programs::{FragCoord, Position, Program};
-use crate::intercept::process::log;
+use crate::intercept::process::{call_sum, log};
 use crate::lock::Lock;
 use std::collections::{HashMap, HashSet};
 use std::ffi::{CStr, c_char, c_void};
@@ -364,6 +364,7 @@ hooks! {
     "glShaderSource" shader_source(shader: u32, count: i32, strings: *const *const c_char, lengths: *const i32) = |ctx, gl| {
         gl.shader_source(shader, count, strings, lengths);
         if let Some(text) = source_text(count, strings, lengths) {
+            call_sum::add_values(text.as_ptr(), text.len());
             ctx.share.programs.locked().sources.insert(shader, text);
         }
     };
