@@ -54,11 +54,11 @@ pub fn mirror_faces(tilt: f64) -> [DMat3; 4] {
     faces.map(|face| up * face)
 }
 
-pub(super) fn projection(key: &Key, viewer: DVec3) -> Result<Projection> {
+pub(super) fn projection(key: &Key, viewer: DVec3, notes: &mut Vec<String>) -> Result<Projection> {
     let kind = key.required("type")?.text()?;
     Ok(match kind.as_str() {
         "PlanarProjection" => {
-            let frustum = frustum(&key.required("fov")?)?;
+            let frustum = frustum(&key.required("fov")?, notes)?;
             let rotation = key.optional("orientation").map_or(Ok(DMat3::IDENTITY), |key| orientation(&key))?;
             if key.optional("offset").map_or(Ok(DVec3::ZERO), |key| key.vector())? == DVec3::ZERO {
                 Projection::Planar { rotation, frustum }
@@ -115,13 +115,23 @@ fn plane(key: &Key, [low, upper, right]: [DVec3; 3]) -> Result<Projection> {
 
 /// Reads an opening: whole angles, or the angles of the four sides. Each side's angle counts away
 /// from the middle: `left` and `right` together are the field of view.
-fn frustum(key: &Key) -> Result<Frustum> {
+fn frustum(key: &Key, notes: &mut Vec<String>) -> Result<Frustum> {
     let angle = |name| key.required(name)?.number(-WIDEST, WIDEST);
     let whole = |name| Ok(0.5 * key.required(name)?.number(1e-3, 2.0 * WIDEST)?);
     let [left, right, bottom, top] = if key.optional("hfov").is_some() {
         let (across, up) = (whole("hfov")?, whole("vfov")?);
         [-across, across, -up, up]
     } else {
+        for (name, other) in [("left", "right of"), ("down", "above")] {
+            let degrees = angle(name)?;
+            if degrees < 0.0 {
+                notes.push(format!(
+                    "{}: {}.{name}: {degrees} is taken as SGCT takes it: this side lies {}° {other} the middle. If it \
+                     should lie on its own side, remove the sign",
+                    key.name, key.path, -degrees
+                ));
+            }
+        }
         [-angle("left")?, angle("right")?, -angle("down")?, angle("up")?]
     };
     if !(left < right && bottom < top) {
