@@ -1,8 +1,8 @@
 //! The description: its regions, and the files of each.
 
-use super::Profile;
 use super::archive::LONGEST_DESCRIPTION;
 use super::extension::Described;
+use super::{Dome, Profile};
 use crate::error::{Error, Result};
 use crate::formats::camera::Camera;
 use crate::formats::mpcdi::extension;
@@ -25,6 +25,7 @@ const MOST_NAMESPACES: usize = 64;
 pub(super) struct Description {
     pub(super) profile: Profile,
     pub(super) regions: Vec<DescribedRegion>,
+    pub(super) dome: Option<Dome>,
     pub(super) notes: Vec<String>,
 }
 
@@ -94,9 +95,12 @@ pub(super) fn read(name: &str, text: &str) -> Result<Description> {
         let why = format!("has {} regions; expected 1 to {MOST_REGIONS}", regions.len());
         return Err(reader.wrong(root, why));
     }
+    let mut dome = None;
     for extension in named(root, "extension") {
         let called = reader.attribute(extension, "Name").unwrap_or_default();
-        if called != extension::NAME {
+        if called == extension::DOME {
+            dome = Some(extension::dome(&reader, extension)?);
+        } else if called != extension::NAME {
             notes.push(format!("{name}: the extension {} was not taken over", shown(called)));
         }
     }
@@ -104,7 +108,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Description> {
     if regions.is_empty() {
         return Err(invalid(name, notes.join("; ")));
     }
-    Ok(Description { profile, regions, notes })
+    Ok(Description { profile, regions, dome, notes })
 }
 
 /// Refuses texts that would take the parser long, before they are parsed.

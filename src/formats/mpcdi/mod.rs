@@ -80,6 +80,20 @@ pub struct Archive {
     pub profile: Profile,
     /// Regions, one for each projector.
     pub regions: Vec<Region>,
+    /// Dome to which the values belong, if the file says it. Only archives of Cupola do, in an
+    /// extension.
+    pub dome: Option<Dome>,
+}
+
+/// A dome.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dome {
+    /// Radius, metres.
+    pub radius: f64,
+    /// Angle from straight up to the pole, towards the front, radians.
+    pub tilt: f64,
+    /// Opening angle of the part that is screen, radians.
+    pub coverage: f64,
 }
 
 /// Calibration of one projector.
@@ -135,7 +149,7 @@ fn read_within(name: &str, bytes: &[u8], most: u64) -> Result<Noted<Archive>> {
             (Some(files), text)
         }
     };
-    let document::Description { profile, regions: described, notes } = document::read(name, &text)?;
+    let document::Description { profile, regions: described, dome, notes } = document::read(name, &text)?;
     let mut parts = Parts { name, files, left: most, most };
     let mut regions = Vec::new();
     for region in described {
@@ -152,7 +166,7 @@ fn read_within(name: &str, bytes: &[u8], most: u64) -> Result<Noted<Archive>> {
         }
         regions.push(Region { id: region.id, size: region.size, warp, alpha, beta, camera, fisheye });
     }
-    Ok(Noted { value: Archive { profile, regions }, notes })
+    Ok(Noted { value: Archive { profile, regions, dome }, notes })
 }
 
 /// Files of an archive, which are read as its regions name them.

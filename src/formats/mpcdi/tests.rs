@@ -23,7 +23,7 @@ fn archive(profile: Profile) -> Archive {
             fisheye: None,
         }
     };
-    Archive { profile, regions: vec![region("left"), region("\"right\" & <up>")] }
+    Archive { profile, regions: vec![region("left"), region("\"right\" & <up>")], dome: None }
 }
 
 /// A zip archive of the given files.
@@ -77,6 +77,30 @@ fn what_is_written_is_read_back() {
             assert!(found.weights.iter().zip(&expected.weights).all(|(a, b)| (a - b).abs() < 1e-5));
         }
     }
+}
+
+/// Other readers ignore extensions whose name they do not know; without it the dome is not known.
+#[test]
+fn the_dome_is_an_extension() {
+    let dome = Dome { radius: 4.5, tilt: 25f64.to_radians(), coverage: 200f64.to_radians() };
+    for version in [Version::One, Version::Two] {
+        let bytes = write(&Archive { dome: Some(dome), ..archive(Profile::Flat) }, version).unwrap();
+        let found = read("a.mpcdi", &bytes).unwrap();
+        assert!(found.notes.is_empty() && found.value.regions.len() == 2, "{:?}", found.notes);
+        let found = found.value.dome.unwrap();
+        assert!((found.tilt - dome.tilt).abs() + (found.coverage - dome.coverage).abs() < 1e-9 && found.radius == 4.5);
+        let text = Files::open("a.mpcdi", &bytes).unwrap().description().unwrap();
+        let start = text.find("  <extensionSet>").unwrap();
+        let end = text.find("</MPCDI>").unwrap();
+        let without = format!("{}{}", &text[..start], &text[end..]);
+        assert_eq!(document::read("a.mpcdi", &without).unwrap().dome, None);
+        for (tilt, why) in [("nan", "tilt = \"nan\" is no number from -180 to 180"), ("", "has no tilt")] {
+            let damaged = text.replace("<tilt>25<", &format!("<tilt>{tilt}<"));
+            let message = document::read("a.mpcdi", &damaged).err().unwrap().message;
+            assert!(message.contains("<extension> ") && message.contains(why), "{message}");
+        }
+    }
+    assert_eq!(read("a.mpcdi", &write(&archive(Profile::Flat), Version::One).unwrap()).unwrap().value.dome, None);
 }
 
 #[test]
