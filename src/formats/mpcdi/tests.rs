@@ -89,14 +89,14 @@ fn the_dome_is_an_extension() {
         assert!(found.notes.is_empty() && found.value.regions.len() == 2, "{:?}", found.notes);
         let found = found.value.dome.unwrap();
         assert!((found.tilt - dome.tilt).abs() + (found.coverage - dome.coverage).abs() < 1e-9 && found.radius == 4.5);
-        let text = Files::open("a.mpcdi", &bytes).unwrap().description().unwrap();
+        let (name, text) = Files::open("a.mpcdi", &bytes).unwrap().description().unwrap();
         let start = text.find("  <extensionSet>").unwrap();
         let end = text.find("</MPCDI>").unwrap();
         let without = format!("{}{}", &text[..start], &text[end..]);
-        assert_eq!(document::read("a.mpcdi", &without).unwrap().dome, None);
+        assert_eq!(document::read("a.mpcdi", &name, &without).unwrap().dome, None);
         for (tilt, why) in [("nan", "tilt = \"nan\" is no number from -180 to 180"), ("", "has no tilt")] {
             let damaged = text.replace("<tilt>25<", &format!("<tilt>{tilt}<"));
-            let message = document::read("a.mpcdi", &damaged).err().unwrap().message;
+            let message = document::read("a.mpcdi", &name, &damaged).err().unwrap().message;
             assert!(message.contains("<extension> ") && message.contains(why), "{message}");
         }
     }
@@ -126,6 +126,7 @@ fn hostile_archives_are_refused() {
     refused(&zipped(&[("a.txt", b"")]), "no mpcdi.xml");
     refused(&with("<MPCDI", &map), "not XML");
     refused(&with("<other/>", &map), "a.mpcdi/mpcdi.xml:1: <other> is no description");
+    refused(&zipped(&[("old.xml", b"<other/>")]), "a.mpcdi/old.xml:1: <other> is no description");
     for path in ["../a.pfm", "/a.pfm", "x\\a.pfm", "C:a.pfm"] {
         refused(&with(&described(path, 2), &map), "leads out of the archive");
     }
@@ -320,7 +321,7 @@ fn a_fisheye_that_fits_neither_unit_is_told_and_damage_is_refused() {
         (polynomial([0.5; 4]).replace("1.3", "0"), "ratio"),
     ] {
         let message = read("a.xml", &alone(&lens)).unwrap_err().message;
-        assert!(message.starts_with("a.xml/mpcdi.xml:2") && message.contains(why), "{message}");
+        assert!(message.starts_with("a.xml:2: <") && message.contains(why), "{message}");
     }
     // Without its archive a description has no files.
     let text = String::from_utf8(alone(&polynomial([0.5, 0.0, 0.0, 0.0]))).unwrap();
