@@ -31,7 +31,7 @@ const FILES: [&str; 2] = ["file", "image"];
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let file = arguments.file.display();
     let failed = |error: std::io::Error| Failure::new(format!("{file}: {error}"));
-    let text = std::fs::read_to_string(&arguments.file).map_err(|error| {
+    let text = rig::text_of_file(&arguments.file).map_err(|error| {
         let hint = if arguments.file.extension().is_none() {
             "; write a preset to a file with `cupola check PRESET --print > my.toml`"
         } else {
