@@ -227,6 +227,9 @@ fn plan_says_what_views_cost_and_draws_them() {
     // back half is sampled.
     assert!(sphere(330) > 600 && sphere(1260) < 100, "{} and {}", sphere(330), sphere(1260));
 
+    // A name that cannot be written is refused before the rig is read.
+    CUPOLA.refused(&["plan", "no-rig.toml", "--picture", "plan.svg"], "plan.svg: no picture of this kind");
+
     let plan = CUPOLA.json(&["plan", "planetarium-6", "--json"]);
     assert!(plan["least_texels_per_pixel"].as_f64().unwrap() >= 0.999);
     assert!(plan["directions"].as_u64().unwrap() > 100_000);
