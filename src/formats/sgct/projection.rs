@@ -1,10 +1,10 @@
-//! Contents of viewports: flat pictures, fisheyes, mirrors.
+//! Contents of viewports: flat pictures, fisheyes, mirrors, pictures of all directions.
 
 use super::key::Key;
 use crate::error::Result;
 use crate::geom::{Frustum, pose};
 use glam::{DMat3, DQuat, DVec3};
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, FRAC_PI_4};
 
 /// Greatest angle of a side of a viewport's opening, degrees.
 const WIDEST: f64 = 89.5;
@@ -33,9 +33,33 @@ pub enum Projection {
         /// Files of the meshes in the order in which they are drawn, later ones over earlier ones.
         meshes: [String; 4],
     },
+    /// A picture of all directions around the eye point, with longitude and latitude in equal
+    /// steps.
+    Equirectangular {
+        /// Angle by which its middle lies to the right, radians.
+        yaw: f64,
+    },
+    /// A picture of all directions around the eye point, as on the wall of a cylinder.
+    Cylindrical {
+        /// Angle by which its middle lies to the right, radians.
+        yaw: f64,
+        /// Heights of its lower and its upper edge, in radii of the cylinder.
+        heights: [f64; 2],
+    },
     /// Another kind, with SGCT's name.
     Other(String),
 }
+
+/// Angle by which SGCT turns the cube, from which it takes pictures of all directions, around the
+/// vertical axis. The formula of its fisheye turns the picture back; those of the equirectangular
+/// and of the cylindrical picture do not.
+const TURN: f64 = FRAC_PI_4;
+
+/// Least height of a cylinder's lower edge. Below it, SGCT shows the cube's lower face in places,
+/// which it does not draw.
+const LOWEST: f64 = -FRAC_1_SQRT_2;
+/// Greatest height of a cylinder's lower edge: a rig's latitudes end at 89°.
+const HIGHEST: f64 = 50.0;
 
 /// Keys of a mirror's meshes in the order in which they are drawn. The face called bottom is the
 /// one straight ahead, which a tilt of 0 turns up by 45°.
@@ -86,6 +110,15 @@ pub(super) fn projection(key: &Key, viewer: DVec3, notes: &mut Vec<String>) -> R
             Projection::Mirror {
                 tilt: key.optional("tilt").map_or(Ok(0.0), |key| key.number(-180.0, 180.0))?.to_radians(),
                 meshes: [ahead?, left?, right?, top?],
+            }
+        }
+        "EquirectangularProjection" => Projection::Equirectangular { yaw: TURN },
+        "CylindricalProjection" => {
+            let rotation = key.optional("rotation").map_or(Ok(0.0), |key| key.number(-360.0, 360.0))?.to_radians();
+            let low = key.optional("heightoffset").map_or(Ok(0.0), |key| key.number(-1e6, 1e6))?;
+            match (LOWEST..=HIGHEST).contains(&low) {
+                true => Projection::Cylindrical { yaw: -TURN - rotation, heights: [low, low + 1.0] },
+                false => Projection::Other(format!("{kind} with heightoffset {low}, which is not from -0.7 to 50,")),
             }
         }
         _ => Projection::Other(kind),
