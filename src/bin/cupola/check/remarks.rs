@@ -58,7 +58,11 @@ pub fn costly(rig: &Rig, report: &Report, sizes: &[(u32, u32)]) -> Vec<String> {
         let outputs = rig.outputs.iter().zip(sizes);
         let part = |(output, (width, height)): (&Output, &(u32, u32))| {
             let share = view.coverage.iter().find(|share| share.output == output.name).map_or(0.0, |share| share.share);
-            share * f64::from(*width) * f64::from(*height)
+            let lit = match output.kind.is_circular() {
+                true => std::f64::consts::FRAC_PI_4 * f64::from(*width.min(height)).powi(2),
+                false => f64::from(*width) * f64::from(*height),
+            };
+            share * lit
         };
         outputs.map(part).sum()
     };
