@@ -227,6 +227,9 @@ fn plan_says_what_views_cost_and_draws_them() {
     // back half is sampled.
     assert!(sphere(330) > 600 && sphere(1260) < 100, "{} and {}", sphere(330), sphere(1260));
 
+    // A name that cannot be written is refused before the rig is read.
+    CUPOLA.refused(&["plan", "no-rig.toml", "--picture", "plan.svg"], "plan.svg: no picture of this kind");
+
     let plan = CUPOLA.json(&["plan", "planetarium-6", "--json"]);
     assert!(plan["least_texels_per_pixel"].as_f64().unwrap() >= 0.999);
     assert!(plan["directions"].as_u64().unwrap() > 100_000);
@@ -354,7 +357,9 @@ fn setup_takes_calibrations_over_and_says_what_not() {
         CUPOLA.answer(&["convert", "planetarium-2", file.to_str().unwrap(), "--size", "48x30", "--force"]);
         let (rig, answer) = set_up("set.toml", &["--from", file.to_str().unwrap()]);
         assert_eq!(rig.outputs.len(), 2);
-        assert!(answer["notes"].to_string().contains("does not say how the dome is tilted"), "{answer}");
+        // An archive of Cupola contains the dome.
+        let told = answer["notes"].to_string().contains("does not say how the dome is tilted");
+        assert_eq!(told, archive == "set.vwf", "{answer}");
     }
     // A map that exists is not replaced either, and nothing is written beside it.
     let (archive, rig) = (CUPOLA.file("set.vwf"), CUPOLA.file("beside.toml"));

@@ -30,6 +30,74 @@ fn a_configuration_of_sgct_becomes_a_rig() {
     assert!((roll.to_degrees() + 3.0).abs() < 1e-6 && (frustum.right - 1.0).abs() < 1e-6 && rig.outputs[1].eye > 0.0);
 }
 
+/// Direction in which SGCT looks up a cube's direction. Its cube's +Z face looks down to −Z of the
+/// world, turned by 90° around x and before that by 45° around z.
+fn of_cube(cube: glam::DVec3) -> glam::DVec3 {
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+    let turned = glam::DMat3::from_rotation_x(FRAC_PI_2) * glam::DMat3::from_rotation_z(FRAC_PI_4);
+    turned * glam::DVec3::new(cube.x, -cube.y, -cube.z)
+}
+
+#[test]
+fn pictures_of_all_directions_of_sgct_look_where_its_cube_does() {
+    use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
+    let viewport = |place: u32, projection: &str| {
+        let (x, size) = (f64::from(place) / 4.0, 0.25);
+        format!(
+            r#"{{ "pos": {{ "x": {x}, "y": 0 }}, "size": {{ "x": {size}, "y": 1 }}, "projection": {{ {projection} }} }}"#
+        )
+    };
+    let viewports = [
+        viewport(0, r#""type": "FisheyeProjection", "fov": 200"#),
+        viewport(1, r#""type": "EquirectangularProjection""#),
+        viewport(2, r#""type": "CylindricalProjection", "rotation": 30, "heightoffset": -0.25"#),
+        viewport(3, r#""type": "CylindricalProjection""#),
+    ];
+    let text = |viewports: &str| {
+        format!(
+            r#"{{ "nodes": [{{ "address": "a", "windows": [{{ "size": {{ "x": 400, "y": 100 }}, "viewports": [{viewports}] }}] }}] }}"#
+        )
+    };
+    let (config, rig) = (file("around.json"), file("around.toml"));
+    std::fs::write(&config, text(&viewports.join(", "))).unwrap();
+    let answer = convert(config.to_str().unwrap(), &rig, &[]);
+    assert_eq!(answer["notes"].to_string(), "[]");
+    let rig = cupola::rig::load(rig.to_str().unwrap()).unwrap();
+    let maps = [0, 1, 2, 3].map(|index| cupola::warp::WarpMap::new(&rig, index, (100, 100), None).unwrap());
+    // s and t count from the bottom left of each viewport.
+    let cylinder = |s: f64, t: f64, rotation: f64, offset: f64| {
+        let angle = rotation - TAU * s;
+        glam::DVec3::new(angle.cos(), angle.sin(), t + offset)
+    };
+    for (s, t) in [(0.105, 0.305), (0.5, 0.505), (0.605, 0.205), (0.885, 0.695), (0.255, 0.755)] {
+        // The fisheye, whose formula turns the cube back, shows that the cube is the right one.
+        let (x, y) = (2.0 * s - 1.0, 2.0 * t - 1.0);
+        let (angle, around) = (f64::hypot(x, y) * 100f64.to_radians(), f64::atan2(x, y));
+        let (x, y) = (angle.sin() * around.sin(), -angle.sin() * around.cos());
+        let fisheye = glam::DVec3::new(FRAC_1_SQRT_2 * (x - y), FRAC_1_SQRT_2 * (x + y), angle.cos());
+        let (down, right) = (PI * (1.0 - t), TAU * (s - 0.5));
+        let even = glam::DVec3::new(down.sin() * right.sin(), down.sin() * right.cos(), down.cos());
+        let cubes = [fisheye, even, cylinder(s, t, 30f64.to_radians(), -0.25), cylinder(s, t, 0.0, 0.0)];
+        for (map, cube) in maps.iter().zip(cubes) {
+            let found = map.direction(glam::DVec2::new(100.0 * s, 100.0 * (1.0 - t))).expect("shown");
+            let expected = of_cube(cube).normalize();
+            assert!(found.distance(expected) < 1e-6, "{s} {t}: {found} for {expected}");
+        }
+    }
+    // What is not imported is told.
+    let refused = |projection: &str, why: &str| {
+        std::fs::write(&config, text(&projection.replace("PLACE", &viewport(0, r#""type": "FisheyeProjection""#))))
+            .unwrap();
+        let answer = convert(config.to_str().unwrap(), &file("around-less.toml"), &[]);
+        assert!(answer["notes"].to_string().contains(why), "{answer}");
+    };
+    refused(r#"PLACE, { "projection": { "type": "CubemapProjection" } }"#, "viewport-2: CubemapProjection is left out");
+    let low = r#"PLACE, { "projection": { "type": "CylindricalProjection", "heightoffset": -0.8 } }"#;
+    refused(low, "viewport-2: CylindricalProjection with heightoffset -0.8");
+    let mesh = r#"PLACE, { "mesh": "a.data", "projection": { "type": "EquirectangularProjection" } }"#;
+    refused(mesh, "viewport-2 is left out: no rig has the mesh a.data");
+}
+
 #[test]
 fn a_mesh_in_a_configuration_of_sgct_is_run_by_the_rig() {
     std::fs::write(file("warp.data"), "2\n2 2\n-1 -1 0.1 0.2 1\n1 -1 0.9 0.2 1\n-1 1 0.1 0.8 1\n1 1 0.9 0.8 1\n")

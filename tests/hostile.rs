@@ -202,3 +202,29 @@ fn links_are_not_written_through() {
     refused(&["convert", text(&rig), text(&folder.join("rig.pfm")), "--size", "8x8"], "is a link");
     assert_eq!(std::fs::read(&victim).expect("a file"), b"kept");
 }
+
+#[test]
+fn rigs_in_named_pipes_are_refused_and_other_pipes_are_read() {
+    let (pipe, out) = (file("rig.fifo"), file("rig-of-a-pipe.mpcdi"));
+    drop(std::fs::remove_file(&pipe));
+    assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo").success());
+    // Nobody writes to the pipe: a command that opened it would wait until its time is over.
+    let (name, why) = (text(&pipe), "it is a named pipe");
+    refused(&["check", name], why);
+    refused(&["check", name, "--print"], why);
+    refused(&["plan", name], why);
+    refused(&["tune", name, "viewer.yaw=1"], why);
+    refused(&["convert", name, text(&out)], why);
+    refused(&["map", name, "-o", "map.pfm"], why);
+    refused(&["simulate", name, "--white", "-o", "dome.png"], why);
+    refused(&["run", "--rig", name, "true"], why);
+    // Pipes of the shell are links in /dev/fd.
+    for script in
+        ["\"$0\" check fisheye --print | \"$0\" check /dev/stdin", "\"$0\" check <(\"$0\" check fisheye --print)"]
+    {
+        let arguments = ["-c", script, env!("CARGO_BIN_EXE_cupola")];
+        let output = Command::new("timeout").args(["20", "bash"]).args(arguments).output().expect("a shell");
+        let said = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success() && said.contains("is a valid rig"), "{script}: {output:?}");
+    }
+}

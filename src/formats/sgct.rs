@@ -85,7 +85,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Config>> {
         let address = node.optional("address").map(|address| address.text()).transpose()?.unwrap_or_default();
         let mut viewports = Vec::new();
         for window in node.list("windows")? {
-            let of_window = viewports_of(&window, viewer, viewports.len(), &mut pixels)?;
+            let of_window = viewports_of(&window, viewer, viewports.len(), &mut pixels, &mut notes)?;
             let flag = |name| window.optional(name).map_or(Ok(false), |flag| flag.truth());
             match [flag("mirrorx")?, flag("mirrory")?] {
                 [false, false] => viewports.extend(of_window.into_iter().map(|(_, viewport)| viewport)),

@@ -18,6 +18,7 @@ mod validate;
 
 use crate::error::{Error, ErrorKind, Result};
 use std::io::Read;
+use std::os::unix::fs::FileTypeExt;
 use std::path::Path;
 
 pub use crate::formats::Levels;
@@ -68,11 +69,30 @@ pub fn load_with(name_or_path: &str, defaults: &Defaults) -> Result<Rig> {
     parse_with(&text, name_or_path, path.parent().unwrap_or(Path::new("")), defaults)
 }
 
+/// Reads the text of a rig file as it is.
+///
+/// # Errors
+/// Those of the system, text that is not UTF-8, and named pipes: reading one waits until somebody
+/// writes, perhaps for ever. Other pipes, such as `/dev/stdin`, are read.
+pub fn text_of_file(path: &Path) -> std::io::Result<String> {
+    refuse_named_pipe(path)?;
+    std::fs::read_to_string(path)
+}
+
+/// Fails if a file is a named pipe itself, not only a link to an open pipe.
+fn refuse_named_pipe(path: &Path) -> std::io::Result<()> {
+    match std::fs::symlink_metadata(path).is_ok_and(|data| data.file_type().is_fifo()) {
+        true => Err(std::io::Error::other("it is a named pipe, which is not waited for; give a file")),
+        false => Ok(()),
+    }
+}
+
 /// Reads the text of a file, which is called `name` in messages; `unreadable` explains a failure.
 fn read_text(path: &Path, name: &str, unreadable: impl Fn(&std::io::Error) -> String) -> Result<String> {
     let mut text = Vec::new();
     // The file may be a pipe, whose length is not known.
-    std::fs::File::open(path)
+    refuse_named_pipe(path)
+        .and_then(|()| std::fs::File::open(path))
         .and_then(|file| file.take(LONGEST_RIG + 1).read_to_end(&mut text))
         .map_err(|error| Error::new(ErrorKind::Io, unreadable(&error)))?;
     if text.len() as u64 > LONGEST_RIG {

@@ -42,7 +42,7 @@ fn archive() -> mpcdi::Archive {
         camera: Some(camera),
         fisheye: None,
     };
-    mpcdi::Archive { profile: mpcdi::Profile::ShaderLamps, regions: vec![region] }
+    mpcdi::Archive { profile: mpcdi::Profile::ShaderLamps, regions: vec![region], dome: None }
 }
 
 /// The mesh of a camera that looks up by 30°.
@@ -178,7 +178,7 @@ fn a_rig_made_of_a_calibration_shows_what_the_calibrated_rig_shows() {
             convert(middle.to_str().unwrap(), &rig, values);
             rig
         };
-        // The file of a calibration does not contain the dome, so it is added here.
+        // Only archives and rigs contain the dome, so it is added here.
         let text = std::fs::read_to_string(&rig).unwrap();
         let text = text.replace("tilt = 0.0 #", "tilt = 25.0 #");
         std::fs::write(&rig, text).unwrap();
@@ -346,7 +346,7 @@ fn a_projector_with_a_fisheye_is_the_same_after_a_way_through_an_archive() {
     convert(archive.to_str().unwrap(), &back, &["--projectors"]);
     let written = std::fs::read_to_string(&back).unwrap();
     assert!(
-        written.contains("fisheye = { projection = \"polynomial\"") && written.contains("radius = 4.0000"),
+        written.contains("fisheye = { projection = \"polynomial\"") && written.contains("radius = 4\n"),
         "{written}"
     );
     let [exact, found] = [&from, &back].map(|rig| cupola::rig::load(rig.to_str().unwrap()).unwrap());
@@ -407,10 +407,25 @@ fn a_file_that_exists_is_replaced_only_if_that_is_asked_for() {
 }
 
 #[test]
-fn a_dome_that_a_file_does_not_describe_is_told() {
-    let (archive, rig) = (file("dome.mpcdi"), file("dome.toml"));
-    convert("planetarium-2", &archive, &["--size", "8x8"]);
-    let notes = convert(archive.to_str().unwrap(), &rig, &[])["notes"].to_string();
+fn archives_contain_the_dome_and_other_files_do_not() {
+    let rig = file("dome.toml");
+    for version in ["1", "2"] {
+        let archive = file(&format!("dome-{version}.mpcdi"));
+        let size = ["--size", "8x8", "--archive-version", version];
+        let exported = convert("planetarium-6", &archive, &size);
+        assert_eq!(exported["notes"].as_array().map(Vec::len), Some(0), "{exported}");
+        let imported = convert(archive.to_str().unwrap(), &rig, &[]);
+        assert_eq!(imported["notes"].as_array().map(Vec::len), Some(0), "{imported}");
+        let text = std::fs::read_to_string(&rig).unwrap();
+        assert!(text.contains("\ntilt = 25\n") && !text.contains("not in the file"), "{text}");
+        let found = cupola::rig::load(rig.to_str().unwrap()).unwrap().dome;
+        assert_eq!(found, cupola::rig::load("planetarium-6").unwrap().dome);
+    }
+    // VIOSO's format has no place for it. Both ways are told.
+    let set = file("dome.vwf");
+    let notes = convert(file("dome-1.mpcdi").to_str().unwrap(), &set, &[])["notes"].to_string();
+    assert!(notes.contains("has no place for the dome's tilt (25.00°)"), "{notes}");
+    let notes = convert(set.to_str().unwrap(), &rig, &[])["notes"].to_string();
     assert!(notes.contains("does not say how the dome is tilted"), "{notes}");
     // A rig describes its dome, so there is no note.
     assert_eq!(convert("planetarium-2", &rig, &["--size", "8x8"])["notes"].as_array().map(Vec::len), Some(0));

@@ -1,6 +1,8 @@
 //! A picture with lines and text.
 
+use crate::failure::Failure;
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+use std::path::Path;
 
 /// Red, green and blue, 0…1, as written to the file.
 pub type Color = [f32; 3];
@@ -20,6 +22,17 @@ impl Letters {
             Self::Small => RasterHeight::Size16,
             Self::Large => RasterHeight::Size24,
         }
+    }
+}
+
+/// Fails if no picture can be written to a file of this name: better before than after the work.
+pub fn refuse_other_endings(file: &Path) -> Result<(), Failure> {
+    match image::ImageFormat::from_path(file).is_ok_and(|format| format.writing_enabled()) {
+        true => Ok(()),
+        false => Err(Failure::usage(format!(
+            "{}: no picture of this kind can be written; expected a name that ends in .png or .jpg",
+            file.display()
+        ))),
     }
 }
 

@@ -22,7 +22,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NUMBER", conflicts_with = "socket")]
     run: Option<u32>,
     /// Print the answer as JSON
-    #[arg(long)]
+    #[arg(long, global = true)]
     json: bool,
     #[command(subcommand)]
     action: Action,
@@ -41,7 +41,7 @@ enum Action {
     },
     /// Change keys: all of the changes are made, or none
     Set {
-        /// For example viewer.position=[0,0,1]
+        /// In quotes, for example 'viewer.position=[0,0,1]'
         #[arg(required = true, value_name = "KEY=VALUE")]
         changes: Vec<String>,
     },
@@ -236,5 +236,26 @@ fn print_state(state: &Value) {
     println!("memory   {} MiB program, {} MiB server", megabytes("program"), megabytes("server"));
     for line in program["lines"].as_array().into_iter().flatten().filter_map(Value::as_str) {
         println!("         {line}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        arguments: Arguments,
+    }
+
+    #[test]
+    fn json_is_accepted_before_and_after_the_action() {
+        for line in [&["ctl", "--json", "keys"][..], &["ctl", "keys", "--json"], &["ctl", "pattern", "off", "--json"]] {
+            let parsed = Line::try_parse_from(line).expect("arguments");
+            assert!(parsed.arguments.json, "{line:?}");
+        }
+        assert!(!Line::try_parse_from(["ctl", "keys"]).expect("arguments").arguments.json);
     }
 }

@@ -15,8 +15,8 @@ use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 pub struct Arguments {
     /// Rig file
     file: PathBuf,
-    /// Keys with their new values, for example viewer.position=[0,0,1] or
-    /// output.NAME.blend.ramp=0.3; output.* means all outputs
+    /// Keys with their new values, in quotes, for example 'viewer.position=[0,0,1]' or
+    /// 'output.NAME.blend.ramp=0.3'; 'output.*.eye=0' changes all outputs
     #[arg(required = true, value_name = "KEY=VALUE")]
     changes: Vec<String>,
     /// Print as JSON whether the file was changed
@@ -31,7 +31,7 @@ const FILES: [&str; 2] = ["file", "image"];
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let file = arguments.file.display();
     let failed = |error: std::io::Error| Failure::new(format!("{file}: {error}"));
-    let text = std::fs::read_to_string(&arguments.file).map_err(|error| {
+    let text = rig::text_of_file(&arguments.file).map_err(|error| {
         let hint = if arguments.file.extension().is_none() {
             "; write a preset to a file with `cupola check PRESET --print > my.toml`"
         } else {
@@ -75,7 +75,7 @@ pub fn changed(text: &str, changes: &[String]) -> Result<String, String> {
     let mut document: DocumentMut = text.parse().map_err(|error| format!("the file is not valid TOML: {error}"))?;
     for change in changes {
         let (key, value) = change.split_once('=').ok_or_else(|| {
-            format!("{change:?} is not a change; expected KEY=VALUE, for example viewer.position=[0,0,1]")
+            format!("{change:?} is not a change; expected KEY=VALUE, for example 'viewer.position=[0,0,1]'")
         })?;
         let value: Value = value.trim().parse().unwrap_or_else(|_| Value::from(value.trim()));
         let path: Vec<&str> = key.trim().split('.').collect();

@@ -22,16 +22,18 @@ impl<'a> Files<'a> {
         Ok(Self { name, zip })
     }
 
-    /// Returns the description: `mpcdi.xml`, in old archives `mpacs.xml`, otherwise the only XML
-    /// file.
-    pub(super) fn description(&mut self) -> Result<String> {
+    /// Returns the description's name, with the archive's before it, and its text: `mpcdi.xml`, in
+    /// old archives `mpacs.xml`, otherwise the only XML file.
+    pub(super) fn description(&mut self) -> Result<(String, String)> {
         let names: Vec<String> = self.zip.file_names().flatten().map(|name| name.into_owned()).collect();
         let called = |wanted: &str| names.iter().find(|name| name.eq_ignore_ascii_case(wanted));
         let mut others = names.iter().filter(|name| name.to_lowercase().ends_with(".xml"));
         let found = called("mpcdi.xml").or_else(|| called("mpacs.xml")).or_else(|| others.next());
         let found = found.ok_or_else(|| invalid(self.name, "has no mpcdi.xml"))?;
         let bytes = self.take(found, LONGEST_DESCRIPTION)?;
-        String::from_utf8(bytes).map_err(|_| invalid(&format!("{}/{found}", self.name), "is not UTF-8 text"))
+        let name = format!("{}/{found}", self.name);
+        let text = String::from_utf8(bytes).map_err(|_| invalid(&name, "is not UTF-8 text"))?;
+        Ok((name, text))
     }
 
     /// Unpacks a file of at most `longest` bytes.

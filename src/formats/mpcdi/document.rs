@@ -1,8 +1,8 @@
 //! The description: its regions, and the files of each.
 
-use super::Profile;
 use super::archive::LONGEST_DESCRIPTION;
 use super::extension::Described;
+use super::{Dome, Profile};
 use crate::error::{Error, Result};
 use crate::formats::camera::Camera;
 use crate::formats::mpcdi::extension;
@@ -25,6 +25,7 @@ const MOST_NAMESPACES: usize = 64;
 pub(super) struct Description {
     pub(super) profile: Profile,
     pub(super) regions: Vec<DescribedRegion>,
+    pub(super) dome: Option<Dome>,
     pub(super) notes: Vec<String>,
 }
 
@@ -52,13 +53,14 @@ pub(super) struct DescribedRegion {
 /// Greatest angle of a side of a frustum, degrees.
 const WIDEST: f64 = 89.5;
 
-/// Reads the description `text` in the archive `name`.
-pub(super) fn read(name: &str, text: &str) -> Result<Description> {
+/// Reads the description `text` of the archive `name`; `file` is the description's own name, for
+/// messages with a line.
+pub(super) fn read(name: &str, file: &str, text: &str) -> Result<Description> {
     bounded(name, text)?;
     let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text.trim_start_matches('\u{feff}'), options)
         .map_err(|error| invalid(name, format!("the description is not XML: {error}")))?;
-    let reader = Reader { name, document: &document };
+    let reader = Reader { name, file, document: &document };
     let root = document.root_element();
     if root.tag_name().name() != "MPCDI" {
         let what = match root.tag_name().name() {
@@ -94,9 +96,12 @@ pub(super) fn read(name: &str, text: &str) -> Result<Description> {
         let why = format!("has {} regions; expected 1 to {MOST_REGIONS}", regions.len());
         return Err(reader.wrong(root, why));
     }
+    let mut dome = None;
     for extension in named(root, "extension") {
         let called = reader.attribute(extension, "Name").unwrap_or_default();
-        if called != extension::NAME {
+        if called == extension::DOME {
+            dome = Some(extension::dome(&reader, extension)?);
+        } else if called != extension::NAME {
             notes.push(format!("{name}: the extension {} was not taken over", shown(called)));
         }
     }
@@ -104,7 +109,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Description> {
     if regions.is_empty() {
         return Err(invalid(name, notes.join("; ")));
     }
-    Ok(Description { profile, regions, notes })
+    Ok(Description { profile, regions, dome, notes })
 }
 
 /// Refuses texts that would take the parser long, before they are parsed.
@@ -135,6 +140,7 @@ pub(super) fn named<'a, 'input, 'n>(
 /// Document, and methods that read its values.
 pub(super) struct Reader<'a, 'input> {
     pub(super) name: &'a str,
+    file: &'a str,
     document: &'a Document<'input>,
 }
 
@@ -142,7 +148,7 @@ impl Reader<'_, '_> {
     /// Error of an element, with its line.
     pub(super) fn wrong(&self, node: Node, why: impl std::fmt::Display) -> Error {
         let line = self.document.text_pos_at(node.range().start).row;
-        invalid(&format!("{}/mpcdi.xml:{line}", self.name), format!("<{}> {why}", node.tag_name().name()))
+        invalid(&format!("{}:{line}", self.file), format!("<{}> {why}", node.tag_name().name()))
     }
 
     /// Value of an attribute; its case is ignored.

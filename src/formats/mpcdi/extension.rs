@@ -1,5 +1,5 @@
-//! Lenses that MPCDI itself cannot describe, in Christie's extension `BufferExtension`: fisheyes
-//! and squeezed (anamorphic) pictures.
+//! Extensions: the dome, in Cupola's own `CupolaDome`, and lenses that MPCDI itself cannot
+//! describe, in Christie's `BufferExtension`: fisheyes and squeezed (anamorphic) pictures.
 //!
 //! A fisheye's radius is f1·θ + f3·θ³ + f5·θ⁵ + f7·θ⁷ in half widths of the picture. Its offsets
 //! are those of the picture from the axis, in half widths and half heights, as for plane lenses. An
@@ -8,6 +8,7 @@
 //! that it is not 0 if the lens is turned in its mount, but not what it turns, from where and in
 //! which direction.
 
+use super::Dome;
 use super::document::{Reader, named};
 use crate::error::{Error, ErrorKind, Result};
 use crate::formats::reading::text::shown;
@@ -18,8 +19,11 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::ops::RangeInclusive;
 
-/// Name of the extension.
+/// Name of the extension with lenses.
 pub(super) const NAME: &str = "BufferExtension";
+
+/// Name of the extension with the dome, which only Cupola writes.
+pub(super) const DOME: &str = "CupolaDome";
 
 /// Range of the radius at the rim of a fisheye of 180°, in half widths of the picture. It is
 /// narrower than the ratio 57 between a degree and a radian, so at most one of the two units fits a
@@ -143,12 +147,43 @@ fn radius([f1, f3, f5, f7]: &[f64; 4], angle: f64) -> f64 {
     angle * (f1 + square * (f3 + square * (f5 + square * f7)))
 }
 
-/// Text of the extension for regions of these names, sizes and projectors; empty if none has a
-/// fisheye.
+/// Reads the dome.
+pub(super) fn dome(reader: &Reader, extension: Node) -> Result<Dome> {
+    let number = |name: &str, allowed: RangeInclusive<f64>| {
+        let word = reader.text(extension, name).ok_or_else(|| reader.wrong(extension, format!("has no {name}")))?;
+        let number = word.parse::<f64>().ok().filter(|number| allowed.contains(number));
+        let range = format!("{} to {}", allowed.start(), allowed.end());
+        number.ok_or_else(|| reader.wrong(extension, format!("{name} = {} is no number from {range}", shown(word))))
+    };
+    Ok(Dome {
+        radius: number("radius", 1e-6..=1e6)?,
+        tilt: number("tilt", -180.0..=180.0)?.to_radians(),
+        coverage: number("coverage", 1e-3..=360.0)?.to_radians(),
+    })
+}
+
+/// Text of the dome's extension, in metres and degrees.
+fn dome_text(dome: &Dome) -> String {
+    let Dome { radius, tilt, coverage } = dome;
+    // Without rounding errors in the last digits.
+    let degrees = |angle: &f64| (angle.to_degrees() * 1e9).round() / 1e9;
+    format!(
+        "    <extension Name=\"{DOME}\" hasExternalFiles=\"false\">\n      <radius>{radius}</radius><tilt>{}</tilt>\
+         <coverage>{}</coverage>\n    </extension>\n",
+        degrees(tilt),
+        degrees(coverage)
+    )
+}
+
+/// Text of the extensions for a dome, and for regions of these names, sizes and projectors; empty
+/// if there is no dome and none has a fisheye.
 ///
 /// # Errors
 /// [`ErrorKind::InvalidRig`] for a fisheye that is neither equidistant nor a polynomial.
-pub(super) fn text<'a>(regions: impl Iterator<Item = (String, (u32, u32), Option<&'a Optics>)>) -> Result<String> {
+pub(super) fn text<'a>(
+    dome: Option<&Dome>,
+    regions: impl Iterator<Item = (String, (u32, u32), Option<&'a Optics>)>,
+) -> Result<String> {
     let mut text = String::new();
     for (number, (id, size, optics)) in regions.enumerate() {
         let Some(Optics { lens: Lens::Fisheye { lens, circle }, .. }) = optics else { continue };
@@ -177,10 +212,9 @@ pub(super) fn text<'a>(regions: impl Iterator<Item = (String, (u32, u32), Option
             half.x * aspect / half.y
         );
     }
-    if text.is_empty() {
-        return Ok(text);
+    if !text.is_empty() {
+        text = format!("    <extension Name=\"{NAME}\" hasExternalFiles=\"false\">\n{text}    </extension>\n");
     }
-    Ok(format!(
-        "  <extensionSet>\n    <extension Name=\"{NAME}\" hasExternalFiles=\"false\">\n{text}    </extension>\n  </extensionSet>\n"
-    ))
+    text.push_str(&dome.map_or(String::new(), dome_text));
+    Ok(if text.is_empty() { text } else { format!("  <extensionSet>\n{text}  </extensionSet>\n") })
 }

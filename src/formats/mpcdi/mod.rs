@@ -80,6 +80,20 @@ pub struct Archive {
     pub profile: Profile,
     /// Regions, one for each projector.
     pub regions: Vec<Region>,
+    /// Dome to which the values belong, if the file says it. Only archives of Cupola do, in an
+    /// extension.
+    pub dome: Option<Dome>,
+}
+
+/// A dome.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dome {
+    /// Radius, metres.
+    pub radius: f64,
+    /// Angle from straight up to the pole, towards the front, radians.
+    pub tilt: f64,
+    /// Opening angle of the part that is screen, radians.
+    pub coverage: f64,
 }
 
 /// Calibration of one projector.
@@ -127,15 +141,15 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Archive>> {
 
 /// As [`read`], with at most `most` pixels altogether.
 fn read_within(name: &str, bytes: &[u8], most: u64) -> Result<Noted<Archive>> {
-    let (files, text) = match description_alone(bytes) {
-        Some(text) => (None, text.to_owned()),
+    let (files, file, text) = match description_alone(bytes) {
+        Some(text) => (None, name.to_owned(), text.to_owned()),
         None => {
             let mut files = Files::open(name, bytes)?;
-            let text = files.description()?;
-            (Some(files), text)
+            let (file, text) = files.description()?;
+            (Some(files), file, text)
         }
     };
-    let document::Description { profile, regions: described, notes } = document::read(name, &text)?;
+    let document::Description { profile, regions: described, dome, notes } = document::read(name, &file, &text)?;
     let mut parts = Parts { name, files, left: most, most };
     let mut regions = Vec::new();
     for region in described {
@@ -152,7 +166,7 @@ fn read_within(name: &str, bytes: &[u8], most: u64) -> Result<Noted<Archive>> {
         }
         regions.push(Region { id: region.id, size: region.size, warp, alpha, beta, camera, fisheye });
     }
-    Ok(Noted { value: Archive { profile, regions }, notes })
+    Ok(Noted { value: Archive { profile, regions, dome }, notes })
 }
 
 /// Files of an archive, which are read as its regions name them.
@@ -170,10 +184,12 @@ struct Parts<'a> {
 impl Parts<'_> {
     /// Returns a file's name for messages, and its bytes.
     fn take(&mut self, path: &str, longest: u64) -> Result<(String, Vec<u8>)> {
-        let inner = format!("{}/{path}", self.name);
         match &mut self.files {
-            Some(files) => Ok((inner, files.take(path, longest)?)),
-            None => Err(invalid(&inner, "is missing: this is a description without its archive")),
+            Some(files) => Ok((format!("{}/{path}", self.name), files.take(path, longest)?)),
+            None => Err(invalid(
+                self.name,
+                format!("names the file {path}, but is a description without its archive; convert the archive"),
+            )),
         }
     }
 

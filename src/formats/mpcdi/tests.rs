@@ -23,7 +23,7 @@ fn archive(profile: Profile) -> Archive {
             fisheye: None,
         }
     };
-    Archive { profile, regions: vec![region("left"), region("\"right\" & <up>")] }
+    Archive { profile, regions: vec![region("left"), region("\"right\" & <up>")], dome: None }
 }
 
 /// A zip archive of the given files.
@@ -79,6 +79,30 @@ fn what_is_written_is_read_back() {
     }
 }
 
+/// Other readers ignore extensions whose name they do not know; without it the dome is not known.
+#[test]
+fn the_dome_is_an_extension() {
+    let dome = Dome { radius: 4.5, tilt: 25f64.to_radians(), coverage: 200f64.to_radians() };
+    for version in [Version::One, Version::Two] {
+        let bytes = write(&Archive { dome: Some(dome), ..archive(Profile::Flat) }, version).unwrap();
+        let found = read("a.mpcdi", &bytes).unwrap();
+        assert!(found.notes.is_empty() && found.value.regions.len() == 2, "{:?}", found.notes);
+        let found = found.value.dome.unwrap();
+        assert!((found.tilt - dome.tilt).abs() + (found.coverage - dome.coverage).abs() < 1e-9 && found.radius == 4.5);
+        let (name, text) = Files::open("a.mpcdi", &bytes).unwrap().description().unwrap();
+        let start = text.find("  <extensionSet>").unwrap();
+        let end = text.find("</MPCDI>").unwrap();
+        let without = format!("{}{}", &text[..start], &text[end..]);
+        assert_eq!(document::read("a.mpcdi", &name, &without).unwrap().dome, None);
+        for (tilt, why) in [("nan", "tilt = \"nan\" is no number from -180 to 180"), ("", "has no tilt")] {
+            let damaged = text.replace("<tilt>25<", &format!("<tilt>{tilt}<"));
+            let message = document::read("a.mpcdi", &name, &damaged).err().unwrap().message;
+            assert!(message.contains("<extension> ") && message.contains(why), "{message}");
+        }
+    }
+    assert_eq!(read("a.mpcdi", &write(&archive(Profile::Flat), Version::One).unwrap()).unwrap().value.dome, None);
+}
+
 #[test]
 fn version_2_and_other_cases_are_read_and_positions_are_placed_in_the_whole_picture() {
     let map = pfm::write(2, &[[0.0, 0.25, 0.0], [1.0, 0.5, 0.0]]);
@@ -102,6 +126,7 @@ fn hostile_archives_are_refused() {
     refused(&zipped(&[("a.txt", b"")]), "no mpcdi.xml");
     refused(&with("<MPCDI", &map), "not XML");
     refused(&with("<other/>", &map), "a.mpcdi/mpcdi.xml:1: <other> is no description");
+    refused(&zipped(&[("old.xml", b"<other/>")]), "a.mpcdi/old.xml:1: <other> is no description");
     for path in ["../a.pfm", "/a.pfm", "x\\a.pfm", "C:a.pfm"] {
         refused(&with(&described(path, 2), &map), "leads out of the archive");
     }
@@ -296,7 +321,7 @@ fn a_fisheye_that_fits_neither_unit_is_told_and_damage_is_refused() {
         (polynomial([0.5; 4]).replace("1.3", "0"), "ratio"),
     ] {
         let message = read("a.xml", &alone(&lens)).unwrap_err().message;
-        assert!(message.starts_with("a.xml/mpcdi.xml:2") && message.contains(why), "{message}");
+        assert!(message.starts_with("a.xml:2: <") && message.contains(why), "{message}");
     }
     // Without its archive a description has no files.
     let text = String::from_utf8(alone(&polynomial([0.5, 0.0, 0.0, 0.0]))).unwrap();

@@ -109,6 +109,7 @@ fn description(archive: &Archive, version: Version) -> Result<String> {
     }
     text.push_str("  </files>\n");
     text.push_str(&extension::text(
+        archive.dome.as_ref(),
         archive.regions.iter().map(|region| (escaped(&region.id), region.size, region.fisheye.as_ref())),
     )?);
     text.push_str("</MPCDI>\n");

@@ -1,10 +1,10 @@
-//! Contents of viewports: flat pictures, fisheyes, mirrors.
+//! Contents of viewports: flat pictures, fisheyes, mirrors, pictures of all directions.
 
 use super::key::Key;
 use crate::error::Result;
 use crate::geom::{Frustum, pose};
 use glam::{DMat3, DQuat, DVec3};
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, FRAC_PI_4};
 
 /// Greatest angle of a side of a viewport's opening, degrees.
 const WIDEST: f64 = 89.5;
@@ -33,9 +33,33 @@ pub enum Projection {
         /// Files of the meshes in the order in which they are drawn, later ones over earlier ones.
         meshes: [String; 4],
     },
+    /// A picture of all directions around the eye point, with longitude and latitude in equal
+    /// steps.
+    Equirectangular {
+        /// Angle by which its middle lies to the right, radians.
+        yaw: f64,
+    },
+    /// A picture of all directions around the eye point, as on the wall of a cylinder.
+    Cylindrical {
+        /// Angle by which its middle lies to the right, radians.
+        yaw: f64,
+        /// Heights of its lower and its upper edge, in radii of the cylinder.
+        heights: [f64; 2],
+    },
     /// Another kind, with SGCT's name.
     Other(String),
 }
+
+/// Angle by which SGCT turns the cube, from which it takes pictures of all directions, around the
+/// vertical axis. The formula of its fisheye turns the picture back; those of the equirectangular
+/// and of the cylindrical picture do not.
+const TURN: f64 = FRAC_PI_4;
+
+/// Least height of a cylinder's lower edge. Below it, SGCT shows the cube's lower face in places,
+/// which it does not draw.
+const LOWEST: f64 = -FRAC_1_SQRT_2;
+/// Greatest height of a cylinder's lower edge: a rig's latitudes end at 89°.
+const HIGHEST: f64 = 50.0;
 
 /// Keys of a mirror's meshes in the order in which they are drawn. The face called bottom is the
 /// one straight ahead, which a tilt of 0 turns up by 45°.
@@ -54,11 +78,11 @@ pub fn mirror_faces(tilt: f64) -> [DMat3; 4] {
     faces.map(|face| up * face)
 }
 
-pub(super) fn projection(key: &Key, viewer: DVec3) -> Result<Projection> {
+pub(super) fn projection(key: &Key, viewer: DVec3, notes: &mut Vec<String>) -> Result<Projection> {
     let kind = key.required("type")?.text()?;
     Ok(match kind.as_str() {
         "PlanarProjection" => {
-            let frustum = frustum(&key.required("fov")?)?;
+            let frustum = frustum(&key.required("fov")?, notes)?;
             let rotation = key.optional("orientation").map_or(Ok(DMat3::IDENTITY), |key| orientation(&key))?;
             if key.optional("offset").map_or(Ok(DVec3::ZERO), |key| key.vector())? == DVec3::ZERO {
                 Projection::Planar { rotation, frustum }
@@ -88,6 +112,15 @@ pub(super) fn projection(key: &Key, viewer: DVec3) -> Result<Projection> {
                 meshes: [ahead?, left?, right?, top?],
             }
         }
+        "EquirectangularProjection" => Projection::Equirectangular { yaw: TURN },
+        "CylindricalProjection" => {
+            let rotation = key.optional("rotation").map_or(Ok(0.0), |key| key.number(-360.0, 360.0))?.to_radians();
+            let low = key.optional("heightoffset").map_or(Ok(0.0), |key| key.number(-1e6, 1e6))?;
+            match (LOWEST..=HIGHEST).contains(&low) {
+                true => Projection::Cylindrical { yaw: -TURN - rotation, heights: [low, low + 1.0] },
+                false => Projection::Other(format!("{kind} with heightoffset {low}, which is not from -0.7 to 50,")),
+            }
+        }
         _ => Projection::Other(kind),
     })
 }
@@ -115,13 +148,23 @@ fn plane(key: &Key, [low, upper, right]: [DVec3; 3]) -> Result<Projection> {
 
 /// Reads an opening: whole angles, or the angles of the four sides. Each side's angle counts away
 /// from the middle: `left` and `right` together are the field of view.
-fn frustum(key: &Key) -> Result<Frustum> {
+fn frustum(key: &Key, notes: &mut Vec<String>) -> Result<Frustum> {
     let angle = |name| key.required(name)?.number(-WIDEST, WIDEST);
     let whole = |name| Ok(0.5 * key.required(name)?.number(1e-3, 2.0 * WIDEST)?);
     let [left, right, bottom, top] = if key.optional("hfov").is_some() {
         let (across, up) = (whole("hfov")?, whole("vfov")?);
         [-across, across, -up, up]
     } else {
+        for (name, other) in [("left", "right of"), ("down", "above")] {
+            let degrees = angle(name)?;
+            if degrees < 0.0 {
+                notes.push(format!(
+                    "{}: {}.{name}: {degrees} is taken as SGCT takes it: this side lies {}° {other} the middle. If it \
+                     should lie on its own side, remove the sign",
+                    key.name, key.path, -degrees
+                ));
+            }
+        }
         [-angle("left")?, angle("right")?, -angle("down")?, angle("up")?]
     };
     if !(left < right && bottom < top) {

@@ -42,6 +42,23 @@ fn yaw_turns_right_and_angles_become_tangents() {
 }
 
 #[test]
+fn a_negative_left_or_down_is_an_angle_to_the_other_side() {
+    let of = |fov: &str| {
+        let viewport = format!(r#"{{ "projection": {{ "type": "PlanarProjection", "fov": {{ {fov} }} }} }}"#);
+        let mut read = read("a.json", text(&viewport).as_bytes()).unwrap();
+        let projection = read.value.nodes.remove(0).viewports.remove(0).projection;
+        let Projection::Planar { frustum, .. } = projection else { panic!("{projection:?}") };
+        (frustum, read.notes)
+    };
+    let (frustum, notes) = of(r#""left": -10, "right": 30, "down": -5, "up": 20"#);
+    let tangent = |degrees: f64| degrees.to_radians().tan();
+    assert!((frustum.left - tangent(10.0)).abs() < 1e-12 && (frustum.bottom - tangent(5.0)).abs() < 1e-12);
+    assert!(notes.len() == 2 && notes[0].contains("fov.left: -10 is taken as SGCT takes it"), "{notes:?}");
+    assert!(notes[0].contains("10° right of the middle") && notes[1].contains("5° above the middle"), "{notes:?}");
+    assert!(of(r#""left": 10, "right": 30, "down": 5, "up": 20"#).1.is_empty());
+}
+
+#[test]
 fn a_plane_is_seen_from_the_user() {
     // The plane is 2 m wide and 1 m high, 2 m in front of the user, who stands at z = 4; its left
     // edge is straight ahead.

@@ -39,6 +39,8 @@ const KNOWN: &[&str] = &[
     "nodes.windows.viewports.projection.upperleft",
     "nodes.windows.viewports.projection.upperright",
     "nodes.windows.viewports.projection.mesh",
+    "nodes.windows.viewports.projection.rotation",
+    "nodes.windows.viewports.projection.heightoffset",
     "users.pos",
 ];
 

@@ -39,19 +39,21 @@ pub enum Eye {
 }
 
 /// Reads the viewports of a window with their parts of it, after `before` others of the computer;
-/// `pixels` counts the pixels of all.
+/// `pixels` counts the pixels of all. Remarks for the user are added to `notes`.
 pub(super) fn viewports_of(
     window: &Key,
     viewer: DVec3,
     before: usize,
     pixels: &mut u64,
+    notes: &mut Vec<String>,
 ) -> Result<Vec<(Part, Viewport)>> {
     let position = window.optional("pos").map_or(Ok([0.0; 2]), |position| position.pair())?;
     let size = window.required("size")?.pair()?;
     let mut viewports = Vec::new();
     for key in window.list("viewports")? {
         let part = part(&key)?;
-        let viewport = viewport(&key, part, position, size, viewer)?;
+        let projection = projection(&key.required("projection")?, viewer, notes)?;
+        let viewport = viewport(&key, part, position, size, projection)?;
         let [_, _, width, height] = viewport.place;
         viewports.push((part, viewport));
         *pixels += width.unsigned_abs() * height.unsigned_abs();
@@ -121,7 +123,7 @@ fn viewport(
     Part { low, size: part }: Part,
     position: [f64; 2],
     size: [f64; 2],
-    viewer: DVec3,
+    projection: Projection,
 ) -> Result<Viewport> {
     let width = (part[0] * size[0]).round();
     let height = (part[1] * size[1]).round();
@@ -141,7 +143,7 @@ fn viewport(
     };
     Ok(Viewport {
         place: pixels.map(|number| number as i64),
-        projection: projection(&key.required("projection")?, viewer)?,
+        projection,
         mesh: file("mesh")?,
         mask: file("blendmask")?,
         eye,

@@ -95,7 +95,7 @@ impl OutputMap {
         let traced = |output: &Output| -> Result<Map> {
             // Maps that need the program's lens are not traced, so any lens will do.
             let map = WarpMap::new(rig, index, (size.0.max(1), size.1.max(1)), Some(UNIT_FRUSTUM))?;
-            let width = |pixel| traced_sample(&map, pixel).map(|sample| pixel_width::squared_width(&sample.spread));
+            let width = |pixel| calibrated_sample(&map, pixel).map(|sample| pixel_width::squared_width(&sample.spread));
             let least = match output.kind {
                 OutputKind::Mesh(_) => pixel_width::least(pixel_width::places(size).filter_map(width)),
                 _ => 0.0,
@@ -227,10 +227,14 @@ impl OutputMap {
                 of_unit_length(lens + *offset, spread * (pitch * pitch))
             }
             Map::Projector(map) => map.sample(&map.hit(at)?, self.per_pixel()),
-            Map::Traced { map, least, .. } => {
-                let Sample { direction, spread } = traced_sample(map, pixel)?;
-                Some(Sample { direction, spread: pixel_width::widened(direction, spread, *least) })
+            Map::Traced { map, least, .. } if *least > 0.0 => {
+                let Sample { direction, spread } = calibrated_sample(map, pixel)?;
+                let width = |sample: Sample| pixel_width::squared_width(&sample.spread);
+                let beside = |apart: DVec2| calibrated_sample(map, pixel + apart).map(width);
+                let least = pixel_width::least_beside(pixel_width::squared_width(&spread), *least, beside);
+                Some(Sample { direction, spread: pixel_width::widened(direction, spread, least) })
             }
+            Map::Traced { map, .. } => traced_sample(map, pixel),
             Map::Perspective { rays, .. } => {
                 let per_pixel = self.per_pixel();
                 let (across, down) = (rays.x_axis * per_pixel.x, rays.y_axis * per_pixel.y);
@@ -342,6 +346,12 @@ fn traced_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
         down = direction.cross(across);
     }
     (across != DVec3::ZERO).then(|| of_unit_length(direction, outer(across, across) + outer(down, down)))?
+}
+
+/// As [`traced_sample`], for a calibration, whose neighbouring pixels may show places far apart.
+fn calibrated_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
+    let Sample { direction, spread } = traced_sample(map, pixel)?;
+    Some(Sample { direction, spread: pixel_width::across(direction, spread) })
 }
 
 /// Returns the pixel position, within the outermost pixel centres of a picture without

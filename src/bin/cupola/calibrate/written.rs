@@ -28,7 +28,7 @@ pub fn write(
 ) -> Result<(), Failure> {
     let text = match rig::presets().iter().find(|preset| preset.name == name) {
         Some(preset) => preset.text.to_owned(),
-        None => std::fs::read_to_string(name).map_err(|error| Failure::usage(format!("{name}: {error}")))?,
+        None => rig::text_of_file(Path::new(name)).map_err(|error| Failure::usage(format!("{name}: {error}")))?,
     };
     let mut document: DocumentMut = text.parse().map_err(|error| Failure::usage(format!("{name}: {error}")))?;
     for found in found {

@@ -1,7 +1,7 @@
 //! Description of a rig as text and as JSON.
 
 use super::numbers::{degrees, meters, number};
-use super::remarks::remarks;
+use super::remarks::{costly, remarks};
 use super::words;
 use cupola::geom::PixelRect;
 use cupola::geom::{Frustum, Lens, Optics};
@@ -62,8 +62,7 @@ fn describe(text: &mut String, rig: &Rig, window: (u32, u32), plan: &ViewPlan) -
     for note in plan.remarks() {
         writeln!(text, "note      {note}")?;
     }
-    let small = rig.too_small(window, &sizes);
-    for note in jumps(rig, &sizes).into_iter().chain(remarks(rig, &sizes)).chain(small) {
+    for note in jumps(rig, &sizes).into_iter().chain(all_remarks(rig, window, &report)) {
         writeln!(text, "note      {note}")?;
     }
     Ok(())
@@ -113,6 +112,15 @@ fn describe_views(text: &mut String, rig: &Rig, plan: &ViewPlan) -> std::fmt::Re
 /// Sizes of the outputs in a window.
 fn sizes(rig: &Rig, window: (u32, u32)) -> Vec<(u32, u32)> {
     rig.layout(window).iter().map(|place| place.size()).collect()
+}
+
+/// All remarks about a rig in a window.
+fn all_remarks(rig: &Rig, window: (u32, u32), report: &views::Report) -> Vec<String> {
+    let sizes = sizes(rig, window);
+    let mut all = remarks(rig, &sizes);
+    all.extend(rig.too_small(window, &sizes));
+    all.extend(costly(rig, report, &sizes));
+    all
 }
 
 /// Descriptions of the places where the light must change abruptly between outputs.
@@ -350,7 +358,7 @@ pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
         "views": plan.views.iter().map(view).collect::<Vec<_>>(),
         "notes": plan.notes,
         "jumps": jumps(rig, &sizes(rig, window)),
-        "remarks": remarks(rig, &sizes(rig, window)).into_iter().chain(rig.too_small(window, &sizes(rig, window))).collect::<Vec<_>>(),
+        "remarks": all_remarks(rig, window, &views::report(plan, rig, &sizes(rig, window))),
     })
 }
 

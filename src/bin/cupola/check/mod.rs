@@ -10,6 +10,7 @@ use crate::patience::patiently;
 use crate::planning::window_request;
 use cupola::rig::presets;
 use serde_json::json;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Validate a rig and describe it in words.
@@ -68,7 +69,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 fn text(name: &str) -> Result<String, Failure> {
     match presets().iter().find(|preset| preset.name == name) {
         Some(preset) => Ok(preset.text.to_owned()),
-        None => std::fs::read_to_string(name).map_err(|error| Failure::usage(format!("{name}: {error}"))),
+        None => cupola::rig::text_of_file(Path::new(name)).map_err(|error| Failure::usage(format!("{name}: {error}"))),
     }
 }
 

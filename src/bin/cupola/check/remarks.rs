@@ -2,7 +2,8 @@
 
 use super::numbers::{degrees, number};
 use cupola::geom::{Lens, Screen, screen::Shape};
-use cupola::rig::{OutputKind, Rig};
+use cupola::rig::{Output, OutputKind, Rig};
+use cupola::views::{Report, ViewReport};
 use cupola::warp::WarpMap;
 use glam::DVec3;
 
@@ -12,6 +13,12 @@ const RADII: std::ops::RangeInclusive<f64> = 0.2..=60.0;
 const NARROW: f64 = 0.07;
 /// Number of directions in which the dome is examined.
 const PLACES: u32 = 2000;
+/// Number of texels for each pixel that are remarked.
+const MANY: f64 = 4.0;
+/// Number of texels for each pixel that a better quality aims at.
+const FEW: f64 = 2.0;
+/// Part of all texels from which on a view is remarked.
+const LARGE: f64 = 0.1;
 /// Part of the screen that is usually lit.
 const LIT: f64 = 0.5;
 
@@ -42,6 +49,39 @@ pub fn remarks(rig: &Rig, sizes: &[(u32, u32)]) -> Vec<String> {
         remarks.push(format!("{percent} % of the screen is lit by projectors; `cupola simulate` shows where"));
     }
     remarks
+}
+
+/// Remarks about views that draw many texels for each pixel that they serve, with a quality that
+/// needs fewer.
+pub fn costly(rig: &Rig, report: &Report, sizes: &[(u32, u32)]) -> Vec<String> {
+    let served = |view: &ViewReport| -> f64 {
+        let outputs = rig.outputs.iter().zip(sizes);
+        let part = |(output, (width, height)): (&Output, &(u32, u32))| {
+            let share = view.coverage.iter().find(|share| share.output == output.name).map_or(0.0, |share| share.share);
+            let lit = match output.kind.is_circular() {
+                true => std::f64::consts::FRAC_PI_4 * f64::from(*width.min(height)).powi(2),
+                false => f64::from(*width) * f64::from(*height),
+            };
+            share * lit
+        };
+        outputs.map(part).sum()
+    };
+    let costly = report.views.iter().filter_map(|view| {
+        let texels = f64::from(view.width) * f64::from(view.height);
+        let each = texels / served(view).max(1.0);
+        // A small view costs little, and its border makes up much of it.
+        let large = texels >= LARGE * report.view_texels as f64;
+        (each > MANY && large && !view.program_lens).then(|| {
+            let quality = rig.views.quality * (FEW / each).sqrt();
+            format!(
+                "view {} draws {each:.1} texels for each pixel that it serves, perhaps for the sake of a few pixels; \
+                 `views.quality = {}` needs about {FEW}",
+                view.name,
+                number((100.0 * quality).ceil() / 100.0)
+            )
+        })
+    });
+    costly.collect()
 }
 
 /// The part of a dome that projectors light; `None` for rigs without projectors, and for other
@@ -95,7 +135,29 @@ mod tests {
             let rig = cupola::rig::load(preset.name).expect("a preset");
             let sizes = vec![(192, 108); rig.outputs.len()];
             assert_eq!(remarks(&rig, &sizes), Vec::<String>::new(), "{}", preset.name);
+            let request = crate::planning::window_request(&rig, None);
+            let plan = cupola::views::plan(&rig, &request).expect("a plan");
+            let report = cupola::views::report(&plan, &rig, &request.output_sizes);
+            assert_eq!(costly(&rig, &report, &request.output_sizes), Vec::<String>::new(), "{}", preset.name);
         }
+    }
+
+    #[test]
+    fn views_that_cost_much_are_remarked_with_a_quality_that_costs_less() {
+        let text = "[[output]]\nname = \"a\"\nkind = \"domemaster\"\nsize = [400, 400]\n[views]\nquality = ";
+        let planned = |quality: &str| {
+            let rig = cupola::rig::parse(&format!("{text}{quality}\n"), "rig.toml", Path::new("")).expect("a rig");
+            let request = crate::planning::window_request(&rig, Some((400, 400)));
+            let plan = cupola::views::plan(&rig, &request).expect("a plan");
+            let report = cupola::views::report(&plan, &rig, &request.output_sizes);
+            (costly(&rig, &report, &request.output_sizes), report.texels_per_pixel)
+        };
+        let (remarks, each) = planned("4.0");
+        assert!(each > 8.0 && !remarks.is_empty(), "{each} {remarks:?}");
+        let proposed = remarks.iter().filter_map(|remark| remark.split("quality = ").nth(1)?.split('`').next());
+        let least = proposed.map(|quality| quality.parse().expect("a number")).fold(4.0, f64::min);
+        let (remarks, each) = planned(&least.to_string());
+        assert!(each < 4.0 && remarks.is_empty(), "{each} {remarks:?}");
     }
 
     /// A projector in the middle of a hemisphere that looks up with 90° × 90° lights a pyramid: a

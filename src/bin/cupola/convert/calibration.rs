@@ -7,6 +7,7 @@ use cupola::formats::{
     Camera, Grid, Levels, Noted, Sample, bourke, domeprojection, easyblend, mpcdi, pictures::pfm, read_file, vwf,
 };
 use cupola::geom::{Lens, Optics, Pose};
+use cupola::rig::Dome;
 use glam::{DVec2, DVec3};
 use std::path::Path;
 
@@ -36,11 +37,14 @@ pub struct Map {
     camera: Option<Camera>,
     /// The projector, if the file describes it.
     pub lamp: Option<Optics>,
+    /// The dome, if the file says it.
+    pub dome: Option<Dome>,
 }
 
 impl Map {
     fn new(name: String, size: Option<(u32, u32)>, grid: Option<Grid>, values: Values) -> Self {
-        Self { name, size, grid, values, alpha: None, black_level: 0.0, black: None, camera: None, lamp: None }
+        let (alpha, black_level, black, camera, lamp, dome) = (None, 0.0, None, None, None, None);
+        Self { name, size, grid, values, alpha, black_level, black, camera, lamp, dome }
     }
 
     /// Sets the displayed values of black. Values that are the same everywhere are converted to
@@ -126,8 +130,9 @@ pub fn open(name: &str, ending: &str, values: Values) -> Result<Option<Noted<Vec
         }
         "mpcdi" | "xml" => {
             let archive = mpcdi::read(name, &read()?)?;
-            let (profile, notes) = (archive.value.profile, archive.notes);
-            (archive.value.regions.into_iter().map(|of| region(of, profile)).collect(), notes)
+            let (mpcdi::Archive { profile, regions, dome }, notes) = (archive.value, archive.notes);
+            let dome = dome.map(|mpcdi::Dome { radius, tilt, coverage }| Dome { radius, tilt, coverage });
+            (regions.into_iter().map(|of| Map { dome, ..region(of, profile) }).collect(), notes)
         }
         _ => return Ok(None),
     };

@@ -71,7 +71,7 @@ pub fn convert(arguments: &Arguments) -> Result<Conversion, Failure> {
         _ => {
             let channels = source.channels(arguments)?;
             let written = target::write(arguments, format, &channels)?;
-            if format != Format::Rig {
+            if !matches!(format, Format::Rig | Format::Mpcdi) {
                 notes.extend(lost_dome(&arguments.to, &channels));
             }
             if format == Format::Rig && channels.iter().all(|channel| channel.dome.is_none()) {

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 ///
 /// The extension of a file name selects the format: .data or .map (Bourke's warp mesh), .pfm, .vwf
 /// (VIOSO), .mpcdi, .toml (a rig and its maps). These are only read: .ol (EasyBlend), .csv
-/// (domeprojection), .json (SGCT, to a rig).
+/// (domeprojection), .json (SGCT, to a rig), .xml (an MPCDI description without its archive, to a
+/// rig).
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Rig file, name of a preset, or calibration file

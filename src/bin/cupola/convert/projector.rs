@@ -54,6 +54,6 @@ pub fn opening(frustum: &Frustum) -> String {
 }
 
 /// Rounded to nine decimal places, without rounding errors in the last digits.
-fn tidy(number: f64) -> f64 {
+pub fn tidy(number: f64) -> f64 {
     (number * 1e9).round() / 1e9 + 0.0
 }

@@ -83,8 +83,8 @@ fn dome_section(dome: Option<&Dome>, radius: Option<f64>) -> String {
         Some(dome) => format!(
             "\n[dome]\nradius = {}\ntilt = {}\ncoverage = {}\n",
             dome.radius,
-            dome.tilt.to_degrees(),
-            dome.coverage.to_degrees()
+            projector::tidy(dome.tilt.to_degrees()),
+            projector::tidy(dome.coverage.to_degrees())
         ),
         None => format!(
             "\n[dome]\nradius = {:.4} # metres{}\ntilt = 0.0 # degrees; not in the file\n\

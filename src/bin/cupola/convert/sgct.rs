@@ -70,6 +70,11 @@ fn output(
     place: &Place,
     notes: &mut Vec<String>,
 ) -> Result<Option<String>, Failure> {
+    let panorama = panorama(&viewport.projection);
+    if let (Some((kind, _)), Some(mesh)) = (&panorama, &viewport.mesh) {
+        notes.push(format!("{name} is left out: no rig has the mesh {mesh} in a picture of kind \"{kind}\""));
+        return Ok(None);
+    }
     // The values of a warp mesh are positions in the picture that would be shown without it.
     let mesh = viewport.mesh.as_deref().filter(|mesh| is_warp_mesh(mesh));
     let shows_places = mesh.is_some() && !matches!(viewport.projection, sgct::Projection::Mirror { .. });
@@ -91,6 +96,9 @@ fn output(
             format!("{}{}{}", kind("perspective"), projector::angles(rotation), projector::opening(frustum))
         }
         sgct::Projection::Mirror { tilt, meshes } => mirror(viewport, *tilt, meshes, place)?,
+        sgct::Projection::Equirectangular { .. } | sgct::Projection::Cylindrical { .. } => {
+            panorama.map_or(String::new(), |(kind, keys)| format!("kind = \"{kind}\"\n{keys}"))
+        }
         sgct::Projection::Other(kind) => {
             notes.push(format!("{name}: {kind} is left out"));
             return Ok(None);
@@ -117,6 +125,22 @@ fn output(
         None => {}
     }
     Ok(Some(keys))
+}
+
+/// Kind and keys of an output for a picture of all directions; `None` for other projections.
+fn panorama(projection: &sgct::Projection) -> Option<(&'static str, String)> {
+    // From −180° up to 180°.
+    let yaw = |yaw: f64| projector::tidy((yaw.to_degrees() + 180.0).rem_euclid(360.0) - 180.0);
+    match projection {
+        sgct::Projection::Equirectangular { yaw: right } => {
+            Some(("equirectangular", format!("yaw = {:?}\n", yaw(*right))))
+        }
+        sgct::Projection::Cylindrical { yaw: right, heights } => {
+            let latitudes = heights.map(|height| projector::tidy(height.atan().to_degrees()));
+            Some(("cylindrical", format!("yaw = {:?}\nlatitudes = {latitudes:?}\n", yaw(*right))))
+        }
+        _ => None,
+    }
 }
 
 /// Location of the files of a configuration.

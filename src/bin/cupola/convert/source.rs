@@ -40,7 +40,7 @@ pub struct Channel<'source> {
     pub black: Option<Levels>,
     /// The projector in dome axes, if there is one without a mirror.
     pub lamp: Option<Optics>,
-    /// The dome, if the source is a rig.
+    /// The dome, if the source says it: a rig, or an archive that Cupola wrote.
     pub dome: Option<Dome>,
     kind: Kind<'source>,
 }
@@ -130,7 +130,7 @@ impl Source {
                         black_level: map.black_level,
                         black: map.black.as_ref().map(|black| black.resized(size)),
                         lamp: map.lamp.clone(),
-                        dome: None,
+                        dome: map.dome,
                         kind,
                     });
                 }

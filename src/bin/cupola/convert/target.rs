@@ -7,6 +7,7 @@ use super::{refuse_to_replace_any, rig};
 use crate::failure::Failure;
 use cupola::formats::{Camera, Grid, Raster, bourke, mpcdi, pictures::pfm, vwf};
 use cupola::geom::{Frustum, Lens, Optics, Projection, pose};
+use cupola::rig::Dome;
 use cupola::warp::{MapError, compare};
 use glam::{DMat3, DVec2, DVec3};
 use std::path::Path;
@@ -61,7 +62,9 @@ pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Res
                 (Values::Points, _) => mpcdi::Profile::Screen,
             };
             let regions = channels.iter().map(|channel| region(channel, profile)).collect::<Result<_, Failure>>()?;
-            together(mpcdi::write(&mpcdi::Archive { profile, regions }, version)?)
+            let dome = channels.iter().find_map(|channel| channel.dome);
+            let dome = dome.map(|Dome { radius, tilt, coverage }| mpcdi::Dome { radius, tilt, coverage });
+            together(mpcdi::write(&mpcdi::Archive { profile, regions, dome }, version)?)
         }
     }
 }

@@ -5,6 +5,7 @@ mod figures;
 mod nodes;
 mod picture;
 
+use crate::canvas::refuse_other_endings;
 use crate::failure::Failure;
 use crate::patience::patiently;
 use crate::planning::window_request;
@@ -39,6 +40,7 @@ pub struct Arguments {
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    arguments.picture.as_deref().map_or(Ok(()), refuse_other_endings)?;
     let mut rig = cupola::rig::load(&arguments.rig)?;
     rig.views.favour = arguments.favour.unwrap_or(rig.views.favour);
     if nodes::run(&arguments.nodes, &rig, arguments.size, arguments.json)?.is_some() {

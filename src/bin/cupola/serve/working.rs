@@ -51,7 +51,7 @@ impl Working {
                 // An invalid rig is refused with the usual message before it is read here.
                 rig::load(name).map_err(|error| error.message)?;
                 let file = std::path::absolute(name).map_err(|error| format!("{name}: {error}"))?;
-                let text = std::fs::read_to_string(&file).map_err(|error| format!("{name}: {error}"))?;
+                let text = rig::text_of_file(&file).map_err(|error| format!("{name}: {error}"))?;
                 (Some(file), text)
             }
         };
@@ -175,7 +175,7 @@ impl Working {
                 self.name, self.name
             ));
         };
-        let found = std::fs::read_to_string(&file);
+        let found = rig::text_of_file(&file);
         if !replace && found.is_ok_and(|found| found != self.saved) {
             return Err(format!("{} was changed by somebody else since it was opened; nothing was saved", self.name));
         }
