@@ -75,6 +75,8 @@ pub struct GlBackend {
     ahead: Vec<Specialised>,
     /// Programs of the last rough correction, which are kept for the next one.
     kept: HashSet<Specialised>,
+    /// Programs before the first of several rough corrections; empty if none is prepared.
+    exact: HashSet<Specialised>,
     full_clear: Option<FullClear>,
     unsampled: Option<UnsampledAreas>,
     backdrop: Option<Backdrop>,
@@ -114,6 +116,7 @@ impl GlBackend {
             outputs: Vec::new(),
             ahead: Vec::new(),
             kept: HashSet::new(),
+            exact: HashSet::new(),
             full_clear: None,
             unsampled: None,
             backdrop: None,

@@ -39,20 +39,24 @@ impl GlBackend {
     /// [`ErrorKind::Graphics`] where the driver refuses a shader or runs out of memory;
     /// [`ErrorKind::Internal`] where the plan exceeds the limits of the shaders.
     pub fn prepare(&mut self, gl: &Gl, plan: &Plan, panel: bool) -> Result<()> {
+        self.exact.clear();
         self.prepare_passes(gl, plan, &plan.passes, panel)
     }
 
     /// As [`GlBackend::prepare`] for a [rough correction](crate::correct::rough), after which the
-    /// former correction or another one is prepared: all programs stay, and those of the rough
-    /// correction also after the next `prepare`.
+    /// former correction or another one is prepared: the programs of the former correction stay, and
+    /// those of the rough one also after the next `prepare`.
     ///
     /// # Errors
     /// As for [`GlBackend::prepare`].
     pub fn prepare_rough(&mut self, gl: &Gl, plan: &Plan, panel: bool) -> Result<()> {
         let list = draws::draws(plan, &plan.passes, panel, Rows::FromBottom)?;
         let rough = list.outputs.iter().flatten().map(|draw| self.text(&draw.constants)).collect();
-        let before = replace(&mut self.kept, self.names.programs.keys().cloned().collect());
-        let prepared = self.prepare(gl, plan, panel);
+        if self.exact.is_empty() {
+            self.exact = self.names.programs.keys().cloned().collect();
+        }
+        let before = replace(&mut self.kept, self.exact.clone());
+        let prepared = self.prepare_passes(gl, plan, &plan.passes, panel);
         self.kept = if prepared.is_ok() { rough } else { before };
         prepared
     }

@@ -317,6 +317,31 @@ fn a_display_list_that_is_being_compiled_stays_the_programs_own() {
     backend.destroy(gl);
 }
 
+/// An operator who moves a slider makes many rough corrections before an exact one.
+#[test]
+fn rough_corrections_leave_no_programs_of_earlier_ones() {
+    let context = headless(Api::Core);
+    let gl = &context.gl;
+    let plan = fisheye_plan((256, 256), 3.0, DVec3::ZERO);
+    let mut backend = GlBackend::new(gl, false).expect("a backend");
+    backend.prepare(gl, &plan, false).expect("shaders");
+    let programs = backend.programs();
+    let mut most = 0;
+    for step in 1..=8 {
+        let mut rough = plan.clone();
+        rough.passes[0].black_level = 0.01 * f64::from(step);
+        backend.prepare_rough(gl, &rough, false).expect("shaders");
+        most = most.max(backend.programs().len());
+    }
+    assert!(most > programs.len() && most <= 2 * programs.len(), "{most} programs, {} before", programs.len());
+    // The exact correction is still there.
+    let linked = backend.linked();
+    backend.prepare(gl, &plan, false).expect("shaders");
+    assert_eq!(backend.linked(), linked);
+    backend.destroy(gl);
+    assert_eq!(backend.errors(), 0);
+}
+
 #[test]
 fn preparing_again_compiles_only_what_is_new() {
     let context = headless(Api::Core);
