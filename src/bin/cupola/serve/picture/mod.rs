@@ -20,6 +20,11 @@ const QUALITY: u8 = 82;
 /// Shortest time between pictures, for all clients together. The page requests one when it has
 /// painted.
 const SHORTEST: Duration = Duration::from_millis(30);
+/// Part of all processors' time that pictures may take while nobody changes the rig: one of so many.
+/// With what the library does for them, a program on all processors loses up to a tenth.
+const PART: u32 = 22;
+/// Interval at which a change is noticed that ends a longer wait.
+const GLANCE: Duration = Duration::from_millis(5);
 /// Time after a read in which the next frame was published for a client that is still there. After
 /// a longer one the frame that lies ready may be as old.
 const READY: Duration = Duration::from_millis(500);
@@ -51,6 +56,8 @@ pub struct Small {
     places: Vec<Place>,
     side: u32,
     made: Instant,
+    /// Time that making it took.
+    cost: Duration,
 }
 
 impl Small {
@@ -160,16 +167,30 @@ impl Pictures {
         }
     }
 
+    /// Shortest time from `newest` to the next picture.
+    fn pause(&self, newest: &Small) -> Duration {
+        let processors = std::thread::available_parallelism().map_or(1, |count| count.get() as u32);
+        match self.versions.locked().are_changing() {
+            true => SHORTEST,
+            false => SHORTEST.max(newest.cost * PART / processors),
+        }
+    }
+
     /// Returns a frame newer than `after`, `side` pixels wide and high; `None` if none comes within
     /// `limit`.
     pub fn next(&mut self, after: u64, side: u32, limit: Duration) -> Option<Arc<Small>> {
         let side = side.clamp(*SIDES.start(), *SIDES.end());
         let end = Instant::now() + limit;
         if let Some(newest) = &self.newest {
-            if newest.side == side && newest.number > after && newest.made.elapsed() < SHORTEST {
+            if newest.side == side && newest.number > after && newest.made.elapsed() < self.pause(newest) {
                 return Some(newest.clone());
             }
-            std::thread::sleep(SHORTEST.saturating_sub(newest.made.elapsed()));
+            while newest.made.elapsed() < self.pause(newest) {
+                if Instant::now() > end {
+                    return None;
+                }
+                std::thread::sleep(GLANCE);
+            }
         }
         // The program publishes a new frame when the last one is read.
         let mut old = self.read.is_some_and(|read| read.elapsed() > READY);
@@ -235,6 +256,7 @@ impl Pictures {
     }
 
     fn small(&self, side: u32) -> Small {
+        let begin = Instant::now();
         let (rgb, places) = self.composed(side);
         let mut jpeg = Vec::new();
         let encoder = jpeg_encoder::Encoder::new(&mut jpeg, QUALITY);
@@ -242,7 +264,16 @@ impl Pictures {
         let _ = encoder.encode(&rgb, side as u16, side as u16, jpeg_encoder::ColorType::Rgb);
         let number = self.before + self.frame.number + 1;
         let version = self.versions.locked().of(self.frame.rig);
-        Small { number, index: self.frame.index, version, jpeg, places, side, made: Instant::now() }
+        Small {
+            number,
+            index: self.frame.index,
+            version,
+            jpeg,
+            places,
+            side,
+            made: Instant::now(),
+            cost: begin.elapsed(),
+        }
     }
 
     /// Draws all outputs of the frame into a square of three bytes for each pixel.

@@ -9,6 +9,8 @@ const TEXTS: usize = 256;
 /// Time after a change in which frames that do not show it are left out: the program shows most
 /// changes sooner, and each picture costs time that the next one needs.
 const PATIENCE: Duration = Duration::from_millis(200);
+/// Time after a change in which somebody may make the next one.
+const BUSY: Duration = Duration::from_secs(2);
 
 /// Texts that were written for the program.
 #[derive(Debug, Default)]
@@ -29,6 +31,11 @@ impl Versions {
         self.changed = (!self.written.is_empty()).then(Instant::now);
         self.written.push_front((sum, version));
         self.written.truncate(TEXTS);
+    }
+
+    /// True while somebody makes changes.
+    pub fn are_changing(&self) -> bool {
+        self.changed.is_some_and(|changed| changed.elapsed() < BUSY)
     }
 
     /// Version of the text with this checksum.
