@@ -23,6 +23,8 @@ const SHORTEST: Duration = Duration::from_millis(30);
 /// Part of all processors' time that pictures may take while nobody changes the rig: one of so many.
 /// With what the library does for them, a program on all processors loses up to a tenth.
 const PART: u32 = 22;
+/// Longest pause of this kind: five pictures a second come in any case.
+const LONGEST: Duration = Duration::from_millis(180);
 /// Interval at which a change is noticed that ends a longer wait.
 const GLANCE: Duration = Duration::from_millis(5);
 /// Time after a read in which the next frame was published for a client that is still there. After
@@ -172,7 +174,7 @@ impl Pictures {
         let processors = std::thread::available_parallelism().map_or(1, |count| count.get() as u32);
         match self.versions.locked().are_changing() {
             true => SHORTEST,
-            false => SHORTEST.max(newest.cost * PART / processors),
+            false => (newest.cost * PART / processors).clamp(SHORTEST, LONGEST),
         }
     }
 

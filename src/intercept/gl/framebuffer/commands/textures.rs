@@ -84,7 +84,9 @@ fn copied(
 
 hooks! {
     "glTexImage2D" tex_image2_d(target: u32, level: i32, internal: i32, w: i32, h: i32, border: i32, format: u32, kind: u32, pixels: *const c_void) = |ctx, gl| {
-        summed_pixels::add(&ctx.driver, Size::new(w, h), (format, kind), pixels);
+        if target != api::GL_PROXY_TEXTURE_2D {
+            summed_pixels::add(&ctx.driver, Size::new(w, h), (format, kind), pixels);
+        }
         let texture = bound(ctx, target);
         specified(ctx, texture, level, Size::new(w, h), || gl.tex_image2_d(target, level, internal, w, h, border, format, kind, pixels), !pixels.is_null());
     };
