@@ -29,7 +29,7 @@ pub unsafe fn around(ctx: &mut Context, vertices: Vertices) -> Bounds {
 }
 
 /// Adds a box around vertices in the program's memory to the checksum of the frame's calls. Arrays in
-/// buffers are summed when they are filled.
+/// buffers are summed when they are filled; an enabled array without memory has no vertices.
 ///
 /// # Safety
 /// As for [`around`].
@@ -40,7 +40,7 @@ unsafe fn sum_up(ctx: &mut Context, vertices: Vertices) {
     let array = position::array(&ctx.driver, &ctx.app, &ctx.shaders);
     let layout =
         array.and_then(|(array, components)| Layout::of(&ctx.driver, &mut ctx.vertex_input, array, components));
-    if layout.is_some_and(|layout| layout.buffer == 0) {
+    if layout.is_some_and(|layout| layout.buffer == 0 && layout.start != 0) {
         // SAFETY: as promised.
         let known = unsafe { around(ctx, vertices) }.known();
         let corners = known.into_iter().flat_map(|(low, high)| [low, high]).flat_map(|corner| corner.to_array());
