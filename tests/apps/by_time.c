@@ -105,6 +105,14 @@ static void draw(app *a)
         const GLuint pixels[2][2] = {{1, counter()}, {3, 4}};
         glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, 2, 2, 0, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
     }
+    if (a->mode && strcmp(a->mode, "shader") == 0 && a->frame >= 2) {
+        char text[64];
+        snprintf(text, sizeof text, "void main() { gl_FragColor = vec4(0.%u); }\n", counter());
+        const char *source = text;
+        GLuint shader = glCreateShader(GL_FRAGMENT_SHADER);
+        glShaderSource(shader, 1, &source, NULL);
+        glDeleteShader(shader);
+    }
     if (a->mode && strcmp(a->mode, "array") == 0 && a->frame >= 2) {
         const GLfloat corners[3][2] = {{0, 0}, {1, 0}, {0, 1 + counter() % 1000 * 1e-3f}};
         glEnableClientState(GL_VERTEX_ARRAY);
