@@ -231,14 +231,17 @@ pub fn frame(window: u64) -> bool {
     let current = if is_first { nearest } else { FRAME.load(Ordering::Relaxed) };
     let holder = page().filter(|page| page.claim(process(), is_gone));
     let until = holder.map_or(NEVER, Page::until);
-    let next = nearest.max(FRAME.load(Ordering::Relaxed) + 1).min(until.max(current));
+    let wanted = nearest.max(FRAME.load(Ordering::Relaxed) + 1);
+    let next = wanted.min(until.max(current));
     FRAME.store(next, Ordering::Relaxed);
     if let Some(page) = holder {
         page.pass(current, next);
     }
     IS_HELD.store(holder.is_some(), Ordering::Release);
     grow(begin_of(next));
-    if next == current {
+    // The time also equals that of this frame if the other nodes have advanced it: it is not held
+    // then, and a program that is behind them must not wait.
+    if next == current && next < wanted {
         nap(Duration::from_nanos(begin_of(1)).min(HELD_FRAME));
     }
     true

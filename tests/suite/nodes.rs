@@ -302,6 +302,21 @@ impl Show {
         until(&format!("{words}:\n{}", self.words()), || self.words().contains(words).then_some(()));
     }
 
+    /// The longest time between two frames of a node, in the next two seconds.
+    fn longest_pause(&self, node: usize) -> Duration {
+        let (begin, mut changed, mut longest) = (Instant::now(), Instant::now(), Duration::ZERO);
+        let mut before = self.nodes[node].frame();
+        while begin.elapsed() < Duration::from_secs(2) {
+            let frame = self.nodes[node].frame();
+            longest = longest.max(changed.elapsed());
+            if frame != before {
+                (before, changed) = (frame, Instant::now());
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        longest
+    }
+
     /// Waits until a node has shown `count` more frames.
     pub fn goes_on(&self, node: usize, count: u64) {
         let before = self.nodes[node].frame();
@@ -327,10 +342,11 @@ impl Drop for Show {
 fn stopped_and_killed_nodes_do_not_stop_the_others() {
     let Some(show) = Show::start(3, &[], "by_time", &[]) else { return };
     let distance = |one: usize, other: usize| show.nodes[one].frame().abs_diff(show.nodes[other].frame());
-    // A machine stops responding: both the command and the program are stopped.
+    // A machine stops responding for two seconds: both the command and the program are stopped.
     kill("STOP", show.nodes[2].sidecar);
     kill("STOP", show.nodes[2].program);
     let stopped = show.nodes[2].frame();
+    note(format_args!("longest pause of node 0, with a time-out of 300 ms: {:?}", show.longest_pause(0)));
     (0..2).for_each(|node| show.goes_on(node, 40));
     assert_eq!(show.nodes[2].frame(), stopped);
     show.says("node 2 has not reached frame");
@@ -352,6 +368,7 @@ fn stopped_and_killed_nodes_do_not_stop_the_others() {
     (0..3).for_each(|node| show.goes_on(node, 20));
     // The launcher is killed. Nothing changes.
     kill("KILL", show.launcher.id());
+    note(format_args!("longest pause of node 0 without the launcher: {:?}", show.longest_pause(0)));
     (0..3).for_each(|node| show.goes_on(node, 20));
     until("the others are in step", || (distance(0, 2) <= 1).then_some(()));
     // The command of node 0 is killed.
