@@ -232,8 +232,8 @@ void window_close(vulkan_window *w)
     XCloseDisplay(w->display);
 }
 
-/* Whether a picture is not black and is the same as the one before. */
-static bool is_unchanged(XImage *before, XImage *shot)
+/* Whether a picture has arrived: it is not black and is the same as the one before. */
+static bool has_arrived(XImage *before, XImage *shot)
 {
     bool black = true, same = before != NULL;
     for (int y = 0; y < shot->height; y++)
@@ -247,20 +247,17 @@ static bool is_unchanged(XImage *before, XImage *shot)
 
 /*
  * A presented picture reaches the window a little later and part by part. Nothing reports its
- * arrival, so the window is read until it has not changed for 0.2 seconds: on a busy computer,
- * the thread that sends the picture can wait for long between two parts.
+ * arrival, so the window is read repeatedly.
  */
 static XImage *wait_for_picture(const vulkan_window *w)
 {
     const struct timespec moment = {0, 20000000};
     XImage *before = NULL;
-    int unchanged = 0;
     for (int tries = 0;; tries++) {
         XSync(w->display, False);
         XImage *shot =
             XGetImage(w->display, w->window, 0, 0, w->extent.width, w->extent.height, AllPlanes, ZPixmap);
-        unchanged = shot != NULL && is_unchanged(before, shot) ? unchanged + 1 : 0;
-        const bool arrived = shot == NULL || tries == 500 || unchanged == 10;
+        const bool arrived = shot == NULL || tries == 500 || has_arrived(before, shot);
         if (before != NULL)
             XDestroyImage(before);
         if (arrived)
