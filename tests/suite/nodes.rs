@@ -121,7 +121,8 @@ fn on_nodes(
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
     command.env("CUPOLA_LIBRARY", library()).args(["node", "--local", nodes, "--unpaced", PATIENT[0], PATIENT[1]]);
     command.arg("--rig").arg(rig()).args(options).arg("--").args(before);
-    command.arg(folder.join(run.program)).args(run.arguments(&display::place()));
+    let place = display::place();
+    command.arg(folder.join(run.program)).args(run.arguments(&place));
     Some(Finished::of(command, run.program, "node")?.expect_success())
 }
 

@@ -62,8 +62,8 @@ fn rig(other: Option<&Display>) -> PathBuf {
     path
 }
 
-/// A process that ends with the test.
-struct Running(Child);
+/// A process that ends with the test, and the part of the screen that it has until then.
+struct Running(Child, Option<display::Place>);
 
 impl Drop for Running {
     fn drop(&mut self) {
@@ -74,7 +74,7 @@ impl Drop for Running {
 }
 
 fn start(program: &mut Command) -> Running {
-    Running(program.stdin(Stdio::null()).stdout(Stdio::null()).spawn().expect("a program starts"))
+    Running(program.stdin(Stdio::null()).stdout(Stdio::null()).spawn().expect("a program starts"), None)
 }
 
 /// Pixels at the upper left corner of a screen.
@@ -98,8 +98,11 @@ fn publish(run: &Run, rig: &Path, published: &Path) -> Running {
         .env("CUPOLA_CACHE", Path::new(env!("CARGO_TARGET_TMPDIR")).join("results"));
     program.arg("run").arg("--rig").arg(rig).arg(format!("--publish={}", published.display())).arg("--");
     let endless = Run { frames: 0, ..run.clone() };
-    program.arg(built().join(run.program)).args(endless.arguments(&display::place()));
-    start(&mut program)
+    let place = display::place();
+    program.arg(built().join(run.program)).args(endless.arguments(&place));
+    let mut running = start(&mut program);
+    running.1 = Some(place);
+    running
 }
 
 /// Waits until a screen shows these pixels.

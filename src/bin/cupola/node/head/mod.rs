@@ -117,17 +117,28 @@ impl Head {
             return actions;
         }
         node.arrived = arrival;
-        let size = self.nodes[0].arrived.size;
-        if arrival.frame == 1 && self.nodes[0].arrived.frame > 0 && arrival.size != size {
-            actions.push(Action::Say(format!(
-                "the window of node {number} has {}x{} pixels, that of node 0 {}x{}: programs draw differently in \
-                 windows of different sizes (--size sets the size)",
-                arrival.size.0, arrival.size.1, size.0, size.1
-            )));
+        if arrival.frame == 1 {
+            actions.extend(self.other_sizes(number).map(Action::Say));
         }
         actions.extend(self.sums.add(number, &arrival).map(Action::Say));
         self.look(now, &mut actions);
         actions
+    }
+
+    /// Messages for windows of another size than that of node 0, when node `arrived` has drawn its
+    /// first frame: its own, or, if it is node 0, those of the nodes that were here before.
+    fn other_sizes(&self, arrived: usize) -> impl Iterator<Item = String> {
+        let first = &self.nodes[0].arrived;
+        let is_new = move |number: usize| number == arrived || arrived == 0;
+        let is_unlike = move |node: &Node| first.frame > 0 && node.arrived.frame > 0 && node.arrived.size != first.size;
+        let nodes = self.nodes.iter().enumerate().filter(move |(number, node)| is_new(*number) && is_unlike(node));
+        nodes.map(|(number, node)| {
+            format!(
+                "the window of node {number} has {}x{} pixels, that of node 0 {}x{}: programs draw differently in \
+                 windows of different sizes (--size sets the size)",
+                node.arrived.size.0, node.arrived.size.1, first.size.0, first.size.1
+            )
+        })
     }
 
     /// True if no line should be added before some have reached the programs.

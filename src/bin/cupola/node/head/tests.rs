@@ -39,6 +39,18 @@ fn a_frame_is_released_when_all_have_come() {
 }
 
 #[test]
+fn windows_of_different_sizes_are_told_in_any_order() {
+    for order in [[0, 1, 2], [1, 0, 2], [2, 1, 0]] {
+        let mut head = head(3);
+        let size = |node: usize| if node == 1 { (640, 481) } else { (640, 480) };
+        let arrive = |node| head.arrived(node, Arrival { size: size(node), ..at(1) }, 0);
+        let words = order.map(arrive).map(|actions| said(&actions)).concat();
+        assert_eq!(words.matches("the window of node").count(), 1, "{order:?}: {words}");
+        assert!(words.contains("node 1 has 640x481 pixels, that of node 0 640x480"), "{order:?}: {words}");
+    }
+}
+
+#[test]
 fn others_go_on_without_one_that_is_late_and_it_comes_back() {
     let mut head = head(3);
     for frame in 1..20 {
