@@ -34,8 +34,6 @@ static void setup(app *a)
     /* A window beside it that is never swapped, with a context that draws to it once. */
     window_request beside = a->request;
     beside.x += 300;
-    /* The place of a test on the screen is 600 pixels wide. */
-    beside.width = beside.width < 300 ? beside.width : 300;
     const window hidden = window_open_beside(&a->window, &beside);
     GLXContext first = glXCreateNewContext(a->window.display, a->window.config, GLX_RGBA_TYPE, a->window.context, True);
     glXMakeContextCurrent(a->window.display, hidden.window, hidden.window, first);

@@ -38,8 +38,9 @@ impl Display {
     }
 }
 
-/// Width and height of a place. No window on the shared screen is larger.
-pub const PLACE: (usize, usize) = (600, 400);
+/// Width and height of a place. It has room for a window of 384 × 192 pixels, the largest on the
+/// shared screen, and for another one 300 pixels to the right of it.
+pub const PLACE: (usize, usize) = (700, 400);
 /// Columns and rows of places on the screen. There are more places than tests that usually run at
 /// the same time.
 const PLACES: (usize, usize) = (4, 4);
