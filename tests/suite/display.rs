@@ -38,8 +38,8 @@ impl Display {
     }
 }
 
-/// Width and height of a place. It has room for a window of 384 × 192 pixels, the largest on the
-/// shared screen, and for another one 300 pixels to the right of it.
+/// Width and height of a place. Some programs open a second window 300 pixels to the right of the
+/// first, of up to 384 × 192 pixels.
 pub const PLACE: (usize, usize) = (700, 400);
 /// Columns and rows of places on the screen. There are more places than tests that usually run at
 /// the same time.
