@@ -239,8 +239,8 @@ pub fn frame(window: u64) -> bool {
     }
     IS_HELD.store(holder.is_some(), Ordering::Release);
     grow(begin_of(next));
-    // The time also equals that of this frame if the other nodes have advanced it: it is not held
-    // then, and a program that is behind them must not wait.
+    // If `advance` has brought the time here already, it is not held: a node that is behind the
+    // others must not wait.
     if next == current && next < wanted {
         nap(Duration::from_nanos(begin_of(1)).min(HELD_FRAME));
     }
