@@ -37,6 +37,17 @@ impl Rig {
         self.outputs.iter().map(place).collect()
     }
 
+    /// Sizes in pixels of the outputs, in their order, with a window of `window` pixels: those of
+    /// their rectangles, and the own size of outputs that the window does not show.
+    pub fn sizes(&self, window: (u32, u32)) -> Vec<(u32, u32)> {
+        let places = self.layout(window);
+        let size = |(output, place): (&Output, &PixelRect)| match output.has_place() {
+            true => place.size(),
+            false => output.size.unwrap_or_default(),
+        };
+        self.outputs.iter().zip(&places).map(size).collect()
+    }
+
     /// Size in pixels of a window in which every output has its own resolution: the hull of the
     /// outputs' `window` rectangles, or the grid of their `size`. `None` if an output has neither.
     pub fn extent(&self) -> Option<(u32, u32)> {
@@ -101,6 +112,15 @@ impl Output {
 #[cfg(test)]
 mod tests {
     use std::path::Path;
+
+    #[test]
+    fn outputs_that_the_window_does_not_show_have_their_own_size() {
+        let output = |keys: &str| format!("[[output]]\nkind = \"domemaster\"\nsize = [30, 20]\n{keys}\n");
+        let text = output("shown = false") + &output("") + &output("fullscreen = true");
+        let rig = crate::rig::parse(&text, "rig.toml", Path::new("")).expect("a rig");
+        assert_eq!(rig.sizes((100, 50)), [(100, 50)]);
+        assert_eq!(rig.with_all_outputs().sizes((100, 50)), [(100, 50), (30, 20), (30, 20)]);
+    }
 
     #[test]
     fn outputs_with_far_too_few_pixels_are_remarked_with_the_size_that_fits() {

@@ -9,7 +9,9 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Condvar, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 use x11rb::connection::Connection;
-use x11rb::protocol::xproto::{ConnectionExt as _, ImageFormat};
+use x11rb::protocol::randr::{ConnectionExt as _, MonitorInfo};
+use x11rb::protocol::xproto::{ConnectionExt as _, ImageFormat, KEY_PRESS_EVENT, KEY_RELEASE_EVENT};
+use x11rb::protocol::xtest::ConnectionExt as _;
 
 /// A private X server: the name of its display, and the connection that keeps it running.
 pub struct Display {
@@ -28,13 +30,51 @@ impl Display {
 
     /// Red, green and blue of the pixels at the upper left corner of the screen, row by row from the
     /// top.
-    pub fn pixels(&self, (width, height): (u32, u32)) -> Vec<[u8; 3]> {
-        let (connection, number) = x11rb::connect(Some(&self.name)).expect("a screen");
-        let root = connection.setup().roots[number].root;
-        let (width, height) = (width as u16, height as u16);
-        let image = connection.get_image(ImageFormat::Z_PIXMAP, root, 0, 0, width, height, u32::MAX).expect("sent");
+    pub fn pixels(&self, size: (u32, u32)) -> Vec<[u8; 3]> {
+        self.pixels_at((0, 0), size)
+    }
+
+    /// As [`pixels`](Self::pixels), of a rectangle with this upper left corner.
+    pub fn pixels_at(&self, (x, y): (u16, u16), (width, height): (u32, u32)) -> Vec<[u8; 3]> {
+        let (connection, root) = self.connect();
+        let (x, y, width, height) = (x as i16, y as i16, width as u16, height as u16);
+        let image = connection.get_image(ImageFormat::Z_PIXMAP, root, x, y, width, height, u32::MAX).expect("sent");
         let data = image.reply().expect("an image").data;
         data.as_chunks::<4>().0.iter().map(|[blue, green, red, _]| [*red, *green, *blue]).collect()
+    }
+}
+
+impl Display {
+    /// Connection to the server, and the root window of its screen.
+    fn connect(&self) -> (x11rb::rust_connection::RustConnection, u32) {
+        let (connection, number) = x11rb::connect(Some(&self.name)).expect("a screen");
+        let root = connection.setup().roots[number].root;
+        (connection, root)
+    }
+
+    /// Adds a monitor with this upper left corner and size to the screen, as `xrandr --setmonitor` does.
+    pub fn add_monitor(&self, name: &str, (x, y): (u16, u16), (width, height): (u32, u32)) {
+        let (connection, root) = self.connect();
+        let name = connection.intern_atom(false, name.as_bytes()).expect("sent").reply().expect("an atom").atom;
+        let monitor = MonitorInfo {
+            name,
+            x: x as i16,
+            y: y as i16,
+            width: width as u16,
+            height: height as u16,
+            ..MonitorInfo::default()
+        };
+        connection.randr_set_monitor(root, monitor).expect("sent").check().expect("a monitor");
+    }
+
+    /// Presses and releases a key, for the window that has the keyboard.
+    pub fn press_key(&self) {
+        let (connection, root) = self.connect();
+        let key = connection.setup().min_keycode + 16;
+        for event in [KEY_PRESS_EVENT, KEY_RELEASE_EVENT] {
+            let sent = connection.xtest_fake_input(event, key, 0, root, 0, 0, 0).expect("sent");
+            sent.check().expect("a key");
+        }
     }
 }
 

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 tests! {
     outputs_on_two_screens_are_those_of_one_window,
+    patterns_are_shown_on_all_screens_until_a_key_is_pressed,
     a_window_that_is_too_small_is_told_with_the_size_that_fits,
     the_driver_gets_swap_interval_and_swap_group,
     a_driver_swaps_a_window_of_its_own,
@@ -159,6 +160,56 @@ fn outputs_on_two_screens_are_those_of_one_window() {
         program.0.try_wait().expect("the state of the program can be read").is_none(),
         "the program has ended, too"
     );
+}
+
+/// Corner of a monitor in the middle of a screen.
+const MONITOR: (u16, u16) = (200, 100);
+
+/// Three projectors share the window, one has the corner of another screen, one a monitor of that screen, and
+/// one is not shown.
+fn patterns_are_shown_on_all_screens_until_a_key_is_pressed() {
+    let (Some(first), Some(other)) = (display::own(24), display::own(24)) else { return };
+    other.add_monitor("DP-7", MONITOR, SIZE);
+    let rig = rig(Some(&other));
+    let text = std::fs::read_to_string(&rig).expect("a rig");
+    let own = format!("display = \"{}\"\nmonitor = \"DP-7\"", other.name);
+    std::fs::write(&rig, text.replacen("shown = false", &own, 1)).expect("written");
+    let loaded = cupola::rig::load(&rig.to_string_lossy()).expect("a rig");
+    let outputs = &loaded.with_all_outputs().outputs;
+    let folder = scratch("patterns");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
+    command.env("DISPLAY", &first.name).arg("pattern").arg(&rig).arg("--show").arg("-o").arg(&folder);
+    let mut shown = start(command.stderr(Stdio::piped()));
+    let picture = |name: &str| image::open(folder.join(name)).expect("a picture").into_rgb8();
+    let file = |output: usize| format!("{}.png", outputs[output].name);
+    let begin = Instant::now();
+    let is_shown = || {
+        folder.join("window.png").exists()
+            && first.pixels((3 * SIZE.0, SIZE.1)).into_flattened() == picture("window.png").into_raw()
+            && pixels(&other) == picture(&file(5)).into_raw()
+            && other.pixels_at(MONITOR, SIZE).into_flattened() == picture(&file(3)).into_raw()
+    };
+    while !is_shown() {
+        assert!(begin.elapsed() < Duration::from_secs(40), "the patterns are not shown");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    // Control: pictures of projectors differ, and the output that is not shown has a picture in its file only.
+    assert_ne!(picture(&file(5)), picture(&file(3)));
+    assert_eq!(picture(&file(4)).dimensions(), SIZE);
+    assert!(shown.0.try_wait().expect("its state can be read").is_none(), "it ended without a key");
+    other.press_key();
+    let begin = Instant::now();
+    let status = loop {
+        if let Some(status) = shown.0.try_wait().expect("its state can be read") {
+            break status;
+        }
+        assert!(begin.elapsed() < Duration::from_secs(40), "a key does not close the patterns");
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    let mut words = String::new();
+    std::io::Read::read_to_string(shown.0.stderr.as_mut().expect("a pipe"), &mut words).expect("text");
+    assert!(status.success(), "{status}: {words}");
+    assert!(words.contains(&format!("{} is not shown", outputs[4].name)), "{words}");
 }
 
 /// The driver gets the rig's swap interval and swap group once for the window, and a refusal is

@@ -58,7 +58,7 @@ enum Backend {
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     // Directions of pixels do not depend on the content.
-    let rig = Rig { content: None, ..cupola::rig::load(&arguments.rig)? };
+    let rig = Rig { content: None, ..cupola::rig::load(&arguments.rig)?.with_all_outputs().into_owned() };
     let output = find_output(&rig, arguments.output.as_deref())?;
     let size = arguments.size.unwrap_or_else(|| native_size(&rig, output));
     let exact = WarpMap::new(&rig, output, size, None)?;

@@ -36,7 +36,7 @@ pub struct Arguments {
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let rig = cupola::rig::load(&arguments.rig)?;
+    let rig = cupola::rig::load(&arguments.rig)?.with_all_outputs().into_owned();
     if rig.outputs.is_empty() {
         return Err(Failure::usage(format!("the rig {} has no outputs", rig.name)));
     }

@@ -15,5 +15,5 @@ pub fn request(output_sizes: Vec<(u32, u32)>, window: (u32, u32)) -> Request {
 /// taken, or 1920 × 1200.
 pub fn window_request(rig: &Rig, size: Option<(u32, u32)>) -> Request {
     let window = size.or_else(|| rig.extent()).unwrap_or((1920, 1200));
-    request(rig.layout(window).iter().map(|place| place.size()).collect(), window)
+    request(rig.sizes(window), window)
 }

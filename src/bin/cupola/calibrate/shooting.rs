@@ -4,8 +4,8 @@ use super::patterns::Patterns;
 use super::{Arguments, photographs};
 use crate::failure::Failure;
 use crate::terminal;
-use crate::window::presenter::{Filled, Presenter};
-use cupola::rig::{OwnWindow, Rig};
+use crate::window::screens::Screen;
+use cupola::rig::Rig;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments, rig: &Rig, command: &str, folder: &Path) -> Re
         let (size, values) = (patterns.size(&pattern), patterns.values(&pattern));
         let own = rig.outputs[pattern.output].own_window.as_ref().map(|_| pattern.output);
         for screen in &mut screens {
-            screen.show((screen.output == own).then_some((size, &values)))?;
+            screen.show((screen.screen.output == own).then_some((size, &values)))?;
         }
         std::thread::sleep(Duration::from_secs_f64(arguments.pause));
         let file = photograph(command, folder, &pattern.name).and_then(|file| match number {
@@ -65,68 +65,51 @@ pub fn run(arguments: &Arguments, rig: &Rig, command: &str, folder: &Path) -> Re
 }
 
 /// A window of patterns.
-struct Screen {
-    presenter: Presenter,
-    /// Number of the output that it shows alone; `None` = the rig's window.
-    output: Option<usize>,
+struct Shown {
+    screen: Screen,
     /// Size in pixels while it shows no pattern.
     size: (u32, u32),
     is_black: bool,
 }
 
-impl Screen {
+impl Shown {
     /// Shows grey values, or black.
     fn show(&mut self, pattern: Option<((u32, u32), &Vec<u8>)>) -> Result<(), Failure> {
         match pattern {
             Some((size, values)) => {
                 let rgba: Vec<u8> = values.iter().flat_map(|value| [*value, *value, *value, u8::MAX]).collect();
                 self.is_black = false;
-                self.presenter.show(size, &rgba)
+                self.screen.show(size, &rgba)
             }
             None if self.is_black => Ok(()),
             None => {
                 self.is_black = true;
-                self.presenter.show(self.size, &vec![0; self.size.0 as usize * self.size.1 as usize * 4])
+                self.screen.show(self.size, &vec![0; self.size.0 as usize * self.size.1 as usize * 4])
             }
         }
     }
 }
 
 /// Opens the screens of all projectors.
-fn screens(arguments: &Arguments, rig: &Rig, patterns: &Patterns<'_>) -> Result<Vec<Screen>, Failure> {
-    let display = arguments.display.as_deref();
-    let mut screens: Vec<Screen> = Vec::new();
-    for pattern in patterns.all() {
-        let output = &rig.outputs[pattern.output];
-        let own = match &output.own_window {
-            Some(own) => Some((pattern.output, own)),
-            None if output.shown => None,
-            None => {
-                return Err(Failure::usage(format!(
-                    "the patterns of {} cannot be shown: it has shown = false, and neither display nor monitor nor \
-                     fullscreen; write them with --patterns, and show them on its machine",
-                    output.name
-                )));
-            }
-        };
-        let number = own.map(|(number, _)| number);
-        if screens.iter().any(|screen| screen.output == number) {
-            continue;
-        }
-        let presenter = match own {
-            None => Presenter::open(display, &Filled::Picture { x: 0, y: 0 })?,
-            Some((_, OwnWindow { display: own, monitor, fullscreen })) => {
-                let filled = match monitor {
-                    Some(monitor) => Filled::Monitor(monitor.clone()),
-                    None if *fullscreen => Filled::Screen,
-                    None => Filled::Picture { x: 0, y: 0 },
-                };
-                Presenter::open(own.as_deref().or(display), &filled)?
-            }
-        };
-        screens.push(Screen { presenter, output: number, size: patterns.size(&pattern), is_black: false });
+fn screens(arguments: &Arguments, rig: &Rig, patterns: &Patterns<'_>) -> Result<Vec<Shown>, Failure> {
+    let outputs = || patterns.all().map(|pattern| pattern.output);
+    if let Some(unseen) = outputs().find(|output| !Screen::is_seen(&rig.outputs[*output])) {
+        return Err(Failure::usage(format!(
+            "the patterns of {} cannot be shown: it has shown = false, and neither display nor monitor nor fullscreen; \
+             write them with --patterns, and show them on its machine",
+            rig.outputs[unseen].name
+        )));
     }
-    Ok(screens)
+    let shown = |screen: Screen| {
+        let is_seen = |output: usize| match screen.output {
+            Some(own) => own == output,
+            None => rig.outputs[output].own_window.is_none(),
+        };
+        let size = patterns.all().find(|pattern| is_seen(pattern.output)).map_or((1, 1), |first| patterns.size(&first));
+        Shown { screen, size, is_black: false }
+    };
+    let screens = Screen::open(rig, outputs(), arguments.display.as_deref())?;
+    Ok(screens.into_iter().map(shown).collect())
 }
 
 /// Runs the camera's command, and returns the photograph.

@@ -53,7 +53,7 @@ fn describe(text: &mut String, rig: &Rig, window: (u32, u32), plan: &ViewPlan) -
     }
     describe_outputs(text, rig, window)?;
     describe_views(text, rig, plan)?;
-    let sizes = sizes(rig, window);
+    let sizes = rig.sizes(window);
     let report = views::report(plan, rig, &sizes);
     let (drawn, shown, ratio) = (report.view_texels, report.output_pixels, report.texels_per_pixel);
     if shown > 0 {
@@ -72,8 +72,17 @@ fn describe_outputs(text: &mut String, rig: &Rig, window: (u32, u32)) -> std::fm
     writeln!(text, "outputs   {} in a window of {} × {} pixels", rig.outputs.len(), window.0, window.1)?;
     for (output, PixelRect { x, y, width, height }) in rig.outputs.iter().zip(rig.layout(window)) {
         writeln!(text, "  {:14} {}", output.name, kind(&output.kind))?;
-        let native = output.size.map_or(String::new(), |(w, h)| format!("; {w} × {h} off screen"));
-        writeln!(text, "  {:14} {width} × {height} pixels at ({x}, {y}) in the window{native}", "")?;
+        match (output.shown, output.size) {
+            (false, size) => {
+                let (width, height) = size.unwrap_or_default();
+                let place = output.own_window.as_ref().map_or("published only".to_owned(), words::own_window);
+                writeln!(text, "  {:14} {width} × {height} pixels, {place}", "")?;
+            }
+            (true, size) => {
+                let native = size.map_or(String::new(), |(w, h)| format!("; {w} × {h} off screen"));
+                writeln!(text, "  {:14} {width} × {height} pixels at ({x}, {y}) in the window{native}", "")?;
+            }
+        }
         let extras = extras(output);
         if !extras.is_empty() {
             writeln!(text, "  {:14} {extras}", "")?;
@@ -109,14 +118,9 @@ fn describe_views(text: &mut String, rig: &Rig, plan: &ViewPlan) -> std::fmt::Re
     Ok(())
 }
 
-/// Sizes of the outputs in a window.
-fn sizes(rig: &Rig, window: (u32, u32)) -> Vec<(u32, u32)> {
-    rig.layout(window).iter().map(|place| place.size()).collect()
-}
-
 /// All remarks about a rig in a window.
 fn all_remarks(rig: &Rig, window: (u32, u32), report: &views::Report) -> Vec<String> {
-    let sizes = sizes(rig, window);
+    let sizes = rig.sizes(window);
     let mut all = remarks(rig, &sizes);
     all.extend(rig.too_small(window, &sizes));
     all.extend(costly(rig, report, &sizes));
@@ -323,7 +327,7 @@ pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
             };
             let views: Vec<&str> = views.iter().map(|view| plan.views[*view].name.as_str()).collect();
             json!({
-                "name": output.name, "kind": kind, "size": output.size, "window": place, "eye": output.eye, "views": views,
+                "name": output.name, "kind": kind, "size": output.size, "window": output.shown.then_some(place), "eye": output.eye, "views": views,
                 "flip": output.flip.word(), "mask": output.mask, "black": output.black.as_ref().map(|black| &black.file),
             })
         })
@@ -357,8 +361,8 @@ pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
         "atlas": [plan.atlas.0, plan.atlas.1],
         "views": plan.views.iter().map(view).collect::<Vec<_>>(),
         "notes": plan.notes,
-        "jumps": jumps(rig, &sizes(rig, window)),
-        "remarks": all_remarks(rig, window, &views::report(plan, rig, &sizes(rig, window))),
+        "jumps": jumps(rig, &rig.sizes(window)),
+        "remarks": all_remarks(rig, window, &views::report(plan, rig, &rig.sizes(window))),
     })
 }
 

@@ -44,7 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::SUCCESS);
     }
     let rig = match cupola::rig::load(name) {
-        Ok(rig) => rig,
+        Ok(rig) => rig.with_all_outputs().into_owned(),
         Err(error) if arguments.json => {
             let problems: Vec<&str> = error.message.lines().collect();
             println!("{:#}", json!({ "valid": false, "problems": problems }));

@@ -4,7 +4,7 @@ use super::numbers::{degrees, number};
 use cupola::blend::Crossing;
 use cupola::geom::screen::{Screen, Shape};
 use cupola::geom::{FisheyeLens, Panorama, Projection};
-use cupola::rig::{Calibration, CalibrationValues, Rig};
+use cupola::rig::{Calibration, CalibrationValues, OwnWindow, Rig};
 
 /// Description of the shape and size of a screen.
 pub fn screen(screen: &Screen) -> String {
@@ -80,6 +80,16 @@ pub fn panorama(panorama: &Panorama) -> String {
             format!("{kind} picture, {} across and {bottom} to {top} upwards", degrees(span.width))
         }
         Panorama::CubeStrip => "six faces of a cube, side by side".to_owned(),
+    }
+}
+
+/// Place of an output that has a window of its own.
+pub fn own_window(own: &OwnWindow) -> String {
+    let on = own.display.as_ref().map_or(String::new(), |display| format!(" on {display}"));
+    match &own.monitor {
+        Some(monitor) => format!("in a window of its own{on}, monitor {monitor}"),
+        None if own.fullscreen => format!("in a window of its own{on}, the whole screen"),
+        None => format!("in a window of its own{on}"),
     }
 }
 

@@ -61,7 +61,7 @@ pub fn open(arguments: &Arguments) -> Result<Source, Failure> {
     if let Some(Noted { value: maps, notes }) = calibration::open(name, &ending, arguments.values())? {
         return Ok(Source::Maps { maps, notes });
     }
-    let rig = cupola::rig::load(name)?;
+    let rig = cupola::rig::load(name)?.with_all_outputs().into_owned();
     if rig.outputs.is_empty() {
         return Err(Failure::usage(format!("the rig {} has no outputs", rig.name)));
     }

@@ -4,13 +4,14 @@ pub mod draw;
 
 use crate::canvas::Canvas;
 use crate::failure::Failure;
-use crate::play::player::{self, PLAYER};
 use crate::terminal;
+use crate::window::screens::Screen;
 use cupola::rig::Rig;
 use draw::{Part, Pattern};
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
+use std::time::Duration;
 
 /// Draw test patterns for the outputs of a rig: grids of dome angles with labels, names and
 /// borders, overlaps, crosses at given directions, grey and colour ramps, focus.
@@ -45,7 +46,7 @@ pub struct Arguments {
     /// Print the result as JSON
     #[arg(long, conflicts_with = "show")]
     json: bool,
-    /// Show the whole window on the screen, with the player mpv, until it is closed (q)
+    /// Show the patterns on the screens and monitors of the rig until a key is pressed
     #[arg(long)]
     show: bool,
 }
@@ -69,7 +70,7 @@ fn direction(text: &str) -> Result<[f64; 2], String> {
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let rig = cupola::rig::load(&arguments.rig)?;
+    let rig = cupola::rig::load(&arguments.rig)?.with_all_outputs().into_owned();
     if !(0.1..=90.0).contains(&arguments.step) {
         return Err(Failure::usage(format!("--step {}: expected 0.1 to 90 degrees", arguments.step)));
     }
@@ -102,16 +103,18 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         println!("{}: {} outputs, and window.png with {width} × {height} pixels", folder.display(), names.len());
     }
     if arguments.show {
-        return show(&window);
+        show(&rig, &pictures, &window)?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// Patterns of the outputs, in the sizes of their rectangles.
+/// Patterns of the outputs, in their sizes.
 fn pictures(arguments: &Arguments, rig: &Rig) -> Result<Vec<Canvas>, Failure> {
-    let window = window_size(rig, arguments.size);
-    let sizes: Vec<(u32, u32)> =
-        rig.layout(window).iter().map(|place| (place.width.max(1), place.height.max(1))).collect();
+    let sizes: Vec<(u32, u32)> = rig
+        .sizes(window_size(rig, arguments.size))
+        .into_iter()
+        .map(|(width, height)| (width.max(1), height.max(1)))
+        .collect();
     let bar = terminal::progress(rig.outputs.len() as u64, "outputs");
     let pattern = Pattern::new(rig, &sizes, &arguments.parts, arguments.step, &arguments.at)?;
     let picture = |(index, &(width, height)): (usize, &(u32, u32))| {
@@ -134,7 +137,9 @@ fn window_size(rig: &Rig, given: Option<(u32, u32)>) -> (u32, u32) {
 fn assembled(rig: &Rig, size: Option<(u32, u32)>, pictures: &[Canvas]) -> Canvas {
     let (width, height) = window_size(rig, size);
     let mut window = Canvas::new(width as usize, height as usize, [0.0; 3]);
-    for (place, picture) in rig.layout((width, height)).iter().zip(pictures) {
+    let places = rig.layout((width, height));
+    let shown = rig.outputs.iter().zip(&places).zip(pictures).filter(|((output, _), _)| output.shown);
+    for ((_, place), picture) in shown {
         window.paste(picture, place.x as usize, place.y as usize);
     }
     window
@@ -146,18 +151,31 @@ fn write(file: &Path, picture: &Canvas) -> Result<(), Failure> {
         .map_err(|error| Failure::new(format!("{} cannot be written: {error}", file.display())))
 }
 
-/// Shows a picture on the whole screen, pixel for pixel if it fits.
-fn show(window: &Canvas) -> Result<ExitCode, Failure> {
-    let scratch = crate::launch::loader::Scratch::new()?;
-    let file = scratch.path().join("pattern.png");
-    write(&file, window)?;
-    let status = Command::new(PLAYER)
-        .args(player::OPTIONS)
-        .args(["--fullscreen", "--image-display-duration=inf", "--scale=nearest", "--"])
-        .arg(&file)
-        .status()
-        .map_err(|error| player::cannot_start(&error))?;
-    Ok(ExitCode::from(status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(1)))
+/// Interval at which the command looks for pressed keys.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Shows the patterns, pixel for pixel, on all screens of the rig until a key is pressed.
+fn show(rig: &Rig, pictures: &[Canvas], window: &Canvas) -> Result<(), Failure> {
+    for output in rig.outputs.iter().filter(|output| !Screen::is_seen(output)) {
+        eprintln!("cupola: {} is not shown: it has shown = false; -o writes its picture", output.name);
+    }
+    let mut screens = Screen::open(rig, 0..rig.outputs.len(), None)?;
+    for screen in &mut screens {
+        let picture = screen.output.map_or(window, |output| &pictures[output]);
+        let rgba: Vec<u8> =
+            picture.bytes().chunks_exact(3).flat_map(|pixel| [pixel[0], pixel[1], pixel[2], u8::MAX]).collect();
+        screen.show((picture.width as u32, picture.height as u32), &rgba)?;
+        screen.take_keyboard()?;
+    }
+    eprintln!("cupola: press any key, or click, to close the patterns");
+    loop {
+        for screen in &screens {
+            if screen.is_closed()? {
+                return Ok(());
+            }
+        }
+        std::thread::sleep(LOOK);
+    }
 }
 
 #[cfg(test)]

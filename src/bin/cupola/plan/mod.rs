@@ -46,6 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     if nodes::run(&arguments.nodes, &rig, arguments.size, arguments.json)?.is_some() {
         return Ok(ExitCode::SUCCESS);
     }
+    let rig = rig.with_all_outputs();
     let request = window_request(&rig, arguments.size);
     let start = Instant::now();
     let plan = patiently("planning the views", || correct::build(&rig, &request))?;

@@ -54,7 +54,7 @@ pub struct Arguments {
     /// Folder for numbered test patterns, one picture for each output
     #[arg(long, value_name = "DIR")]
     pub patterns: Option<PathBuf>,
-    /// Show the numbered test patterns on the screen until the window is closed (q)
+    /// Show the numbered test patterns on the projectors until a key is pressed
     #[arg(long)]
     pub show: bool,
     /// Replace the file if it exists

@@ -4,10 +4,11 @@
 //! ends.
 //!
 //! [`presenter`] shows pictures on a screen. [`opening`] starts such processes for the outputs of a
-//! rig.
+//! rig. [`screens`] opens the windows of all outputs, for test pictures.
 
 pub mod opening;
 pub mod presenter;
+pub mod screens;
 
 use crate::failure::Failure;
 use crate::pipe::nut;

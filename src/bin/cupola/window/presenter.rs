@@ -6,9 +6,11 @@ use cupola::backend::gl::driver::glx;
 use cupola::rig::WindowSwaps;
 use std::fmt::Display;
 use x11rb::connection::{Connection, RequestConnection};
+use x11rb::protocol::Event;
 use x11rb::protocol::randr::ConnectionExt as _;
 use x11rb::protocol::xproto::{
-    ConnectionExt as _, CreateGCAux, CreateWindowAux, ImageFormat, ImageOrder, Rectangle, Screen, WindowClass,
+    ChangeWindowAttributesAux, ConnectionExt as _, CreateGCAux, CreateWindowAux, EventMask, ImageFormat, ImageOrder,
+    InputFocus, Rectangle, Screen, WindowClass,
 };
 use x11rb::rust_connection::RustConnection;
 
@@ -183,6 +185,32 @@ impl Presenter {
                 .map_err(|error| failed(&error))?;
         }
         self.wait()
+    }
+
+    /// Lets the open window have the keyboard and the mouse's buttons.
+    ///
+    /// # Errors
+    /// The X server is gone.
+    pub fn take_keyboard(&self) -> Result<(), Failure> {
+        let Some(Window { window, .. }) = self.window else { return Ok(()) };
+        let take = || -> Result<(), x11rb::errors::ReplyError> {
+            let heard = ChangeWindowAttributesAux::new().event_mask(EventMask::KEY_PRESS | EventMask::BUTTON_PRESS);
+            self.connection.change_window_attributes(window, &heard)?.check()?;
+            self.connection.set_input_focus(InputFocus::POINTER_ROOT, window, x11rb::CURRENT_TIME)?.check()
+        };
+        take().map_err(|error| failed(&self.name)(&error))
+    }
+
+    /// True if a key or a button of the mouse was pressed since the last call.
+    ///
+    /// # Errors
+    /// The X server is gone.
+    pub fn is_pressed(&self) -> Result<bool, Failure> {
+        let mut is_pressed = false;
+        while let Some(event) = self.connection.poll_for_event().map_err(|error| failed(&self.name)(&error))? {
+            is_pressed |= matches!(event, Event::KeyPress(_) | Event::ButtonPress(_));
+        }
+        Ok(is_pressed)
     }
 
     /// Waits until the screen has executed all requests.
