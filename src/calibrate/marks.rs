@@ -5,7 +5,7 @@ use super::{Part, Projector, Symmetric};
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Optics, Screen};
 use crate::rig::Rig;
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 /// A place of an output's picture, and its direction in the dome.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +43,9 @@ pub struct Quality {
     pub position: DVec3,
     /// Standard errors of the rotations about the projector's right, up and forward axes, radians.
     pub aim: DVec3,
+    /// Covariance of the position along dome axes, metres, and of the rotations about the
+    /// projector's right, up and backward axes, radians. 0 for numbers that were not searched.
+    pub covariance: [[f64; 6]; 6],
     /// Expected error over the whole picture because the numbers are not exact: root mean square,
     /// pixels.
     pub expected: f64,
@@ -163,32 +166,52 @@ pub(super) fn quality(
     let covariance = fit.covariance.as_ref()?;
     let distance = |index: usize| fit.residuals[index].map_or(f64::INFINITY, DVec2::length);
     let used = || own.iter().copied().filter(|index| fit.used[*index]);
-    let errors = StandardErrors::of(projector, covariance, first);
     let parameters = first..first + projector.parameters();
+    let own_covariance = covariance.part(parameters.clone());
+    let pose = pose_covariance(projector, &fit.parameters[parameters.clone()], &own_covariance);
+    let error = |index: usize| pose[index][index].sqrt();
     Some(Quality {
         distances: own.iter().map(|index| distance(*index)).collect(),
         used: own.iter().map(|index| fit.used[*index]).collect(),
         rms: rms(used().map(distance)),
         rms_angle: rms(used().filter_map(angle)),
-        position: errors.position,
-        aim: errors.aim,
-        expected: expected(projector, &fit.parameters[parameters.clone()], &covariance.part(parameters), screen),
+        position: DVec3::from_array([0, 1, 2].map(error)),
+        aim: DVec3::from_array([3, 4, 5].map(error)),
+        covariance: pose,
+        expected: expected(projector, &fit.parameters[parameters], &own_covariance, screen),
     })
 }
 
-struct StandardErrors {
-    position: DVec3,
-    aim: DVec3,
+/// Covariance of a projector's position and rotation at these parameters; 0 for numbers that are not estimated.
+fn pose_covariance(projector: &Projector, parameters: &[f64], covariance: &Symmetric) -> [[f64; 6]; 6] {
+    let Some(range) = projector.range(Part::Pose) else { return [[0.0; 6]; 6] };
+    let part = covariance.part(range.clone());
+    // The parameters turn the pose of the start; the result is for rotations of the pose that was found.
+    let turn = rotation_derivative(DVec3::from_slice(&parameters[range][3..]));
+    let derivative = |row: usize, column: usize| match (row < 3, column < 3) {
+        (true, true) if row == column => projector.unit(),
+        (false, false) => turn.col(column - 3)[row - 3],
+        _ => 0.0,
+    };
+    let spread = |row: usize, column: usize| (0..6).map(|k| part.at(row, k) * derivative(column, k)).sum::<f64>();
+    let entry = |row: usize, column: usize| (0..6).map(|k| derivative(row, k) * spread(k, column)).sum();
+    std::array::from_fn(|row| std::array::from_fn(|column| entry(row, column)))
 }
 
-impl StandardErrors {
-    fn of(projector: &Projector, covariance: &Symmetric, first: usize) -> Self {
-        let range = projector.range(Part::Pose).unwrap_or(0..0);
-        let error =
-            |index: usize| if index < range.end { covariance.at(first + index, first + index).sqrt() } else { 0.0 };
-        let at = |index: usize| DVec3::new(error(index), error(index + 1), error(index + 2));
-        Self { position: projector.unit() * at(range.start), aim: at(range.start + 3) }
+/// Derivative of a rotation, as a rotation about its own axes, by its rotation vector (the right Jacobian of the
+/// rotations).
+fn rotation_derivative(vector: DVec3) -> DMat3 {
+    let angle = vector.length();
+    if angle < 1e-9 {
+        return DMat3::IDENTITY;
     }
+    let (sine, cosine) = angle.sin_cos();
+    let cross = DMat3::from_cols(
+        DVec3::new(0.0, vector.z, -vector.y),
+        DVec3::new(-vector.z, 0.0, vector.x),
+        DVec3::new(vector.y, -vector.x, 0.0),
+    );
+    DMat3::IDENTITY - (1.0 - cosine) / angle.powi(2) * cross + (angle - sine) / angle.powi(3) * cross * cross
 }
 
 /// Root mean square.

@@ -84,6 +84,7 @@ fn noise_is_averaged_as_well_as_can_be() {
     let mut random = Random::new(82);
     let (exact, rough) = rigs(&mut random);
     let (mut found, mut least, mut told) = (Vec::new(), Vec::new(), Vec::new());
+    let mut squares = [Vec::new(), Vec::new()];
     for seed in 0..20 {
         let output = seed % 6;
         let mut marks = marks(&exact, output, 60, &mut random);
@@ -96,7 +97,24 @@ fn noise_is_averaged_as_well_as_can_be() {
         let solved = solve(&rough, output, SIZE, &marks, &LENS).expect("determined");
         found.push(distance(&exact, output, &solved.optics).1);
         told.push(solved.quality.expected);
+        let right = truth(&exact, output).optics(&[]).pose;
+        let turned = glam::DQuat::from_mat3(&(right.rotation.transpose() * solved.optics.pose.rotation));
+        let moved = solved.optics.pose.position - right.position;
+        let error = [moved, turned.to_scaled_axis()].map(|error| error.to_array()).concat();
+        // Control: position and rotation go together in the opposite way.
+        for (index, sign) in [1.0, -1.0].into_iter().enumerate() {
+            let mut covariance = Symmetric::zero(6);
+            for (row, column) in (0..6).flat_map(|row| (0..=row).map(move |column| (row, column))) {
+                let sign = if row >= 3 && column < 3 { sign } else { 1.0 };
+                covariance.add(row, column, sign * solved.quality.covariance[row][column]);
+            }
+            squares[index].push(covariance.inverse().expect("of full rank").form(&error));
+        }
     }
+    // Squared errors in units of their covariance have the median 5.35, as the sum of six squared normal numbers. Their
+    // mean is larger: some projectors are so weakly determined that the errors are no linear function of the noise.
+    let [with, opposite] = squares.map(|mut squares| median(&mut squares));
+    assert!((3.5..8.5).contains(&with) && opposite > 30.0, "{with} with the covariance, control {opposite}");
     let [found, least, told] = [found, least, told].map(|values| rms(values.into_iter()));
     assert!(found < 1.2 * least && found > 0.85 * least, "{found} px, at least {least}");
     assert!((told / least - 1.0).abs() < 0.15, "{told} px are told, {least} are right");

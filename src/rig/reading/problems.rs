@@ -66,12 +66,12 @@ impl Problems {
         self.lines.insert(path.to_owned(), line);
     }
 
-    /// Stores the name that the file gives to an output.
+    /// Stores the name of an output.
     pub(in crate::rig) fn name_output(&mut self, index: usize, name: &str) {
         self.names.insert(index, name.to_owned());
     }
 
-    /// Name of the output of a key, in brackets, if the file gives it one.
+    /// Name of the output of a key, in brackets.
     fn name_of(&self, path: &str) -> String {
         let index = path.strip_prefix("output[").and_then(|rest| rest.split_once(']')?.0.parse().ok());
         let name = index.and_then(|index: usize| self.names.get(&index));

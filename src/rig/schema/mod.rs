@@ -37,7 +37,10 @@ fn table<'a>(text: &'a str, problems: &mut Problems) -> Option<DeTable<'a>> {
     match DeTable::parse(text) {
         Ok(table) => Some(table.into_inner()),
         Err(error) => {
-            let why = format!("this is not TOML: {}", error.message().replace('\n', ", "));
+            let why = match error.message() {
+                deep if deep.contains("recursion") => "lists and tables are nested too deeply".to_owned(),
+                other => format!("this is not TOML: {}", other.replace('\n', ", ")),
+            };
             problems.add_at(error.span(), syntax_hints::with_hint(text, error.span(), why));
             None
         }

@@ -75,10 +75,8 @@ pub(super) fn output(
 ) -> Option<Output> {
     let kind = kind(&mut section, problems)?;
     let given = section.text("name", "the output's name", problems);
-    if let Some(name) = given {
-        problems.name_output(index, name);
-    }
     let name = given.map_or(format!("output-{}", index + 1), str::to_owned);
+    problems.name_output(index, &name);
     let sides = [(1, LARGEST_PICTURE); 2];
     let size =
         section.pixels("size", sides, "[width, height] in pixels", problems).map(|[width, height]| (width, height));

@@ -74,6 +74,8 @@ pub fn json(
                     "roll": quality.aim.z.to_degrees(),
                     "picture_pixels": quality.expected,
                 },
+                // Position in metres, rotations about the right, up and backward axes in radians.
+                "covariance": quality.covariance,
             })
         })
         .collect();

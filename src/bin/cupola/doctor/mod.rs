@@ -209,9 +209,9 @@ fn vulkan_device(device: Result<&vk::driver::headless::Headless, String>) -> (Op
 /// Describes the programs that the layer shows flat on this device.
 fn vulkan_flat(device: &vk::driver::headless::Headless) -> String {
     format!(
-        "a program is shown flat, and the log says why, if it uses all {} descriptor sets of a pipeline, links \
-         pipelines from libraries, uses shader objects, multiview or layered passes, or copies its scene to the window \
-         with compute shaders or images of another size",
+        "few programs appear flat, and the log says why: those that draw to layers of an image or to several \
+         viewports, use shader objects or descriptor buffers, store places of the scene in buffers by compute shaders, \
+         or use all {} descriptor sets of this device",
         device.api.descriptor_sets()
     )
 }

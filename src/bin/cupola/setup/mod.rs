@@ -45,7 +45,9 @@ fn take_over(source: &str, arguments: &Arguments) -> Result<(), Failure> {
     for file in conversion.rigs() {
         let name = file.display().to_string();
         let rig = cupola::rig::load(&name)
-            .map_err(|error| Failure::usage(format!("{name} is written, but not valid yet:\n{}", error.message)))?;
+            .map_err(|error| Failure::usage(format!("{name} is written, but not valid yet:\n{}", error.message)))?
+            .with_all_outputs()
+            .into_owned();
         let request = window_request(&rig, None);
         let plan = cupola::views::plan(&rig, &request)?;
         rigs.push(describe::json(&rig, request.window, &plan));
