@@ -115,3 +115,6 @@ done
 count=$(equal one-$frames killed) others=$((6 - $(wc -w <<<"$own")))
 echo "frame $frames: $count of the $others pictures of the others are equal to those of one process"
 [ "$count" -eq $others ] || fail "pictures of the others differ; see $killed"
+
+# shellcheck source=scripts/nodes-mpi-failures.sh
+. scripts/nodes-mpi-failures.sh
