@@ -1,7 +1,7 @@
 # shellcheck shell=bash disable=SC2154
 # The part of scripts/nodes-mpi.sh that stops a node for two seconds, and kills mpirun. It uses the variables of that
-# script. Processes outside of the show write down when each program draws each frame: the programs' own clocks are those
-# of the show.
+# script. Processes outside of the show write down when each program draws each frame: the programs' own clocks are
+# those of the show.
 
 limit=300 # milliseconds of --time-out
 launcher='' commands=() programs=() writers=()
@@ -43,7 +43,8 @@ is_near() {
     [ ${distance#-} -le 2 ]
 }
 
-# begin NAME: starts four nodes. Sets `launcher`, the process of mpirun, `commands` and `programs`: those of the nodes.
+# begin NAME: starts four nodes. Sets `launcher`, the process of mpirun, and `commands` and `programs`: those of the
+# nodes.
 begin() {
     folder=$out/$1 commands=() programs=()
     mkdir -p "$folder"
@@ -54,8 +55,8 @@ begin() {
         writers+=($!)
     done
     # shellcheck disable=SC2016 # the variables are those of the nodes
-    FOLDER=$folder mpirun --enable-recovery --oversubscribe -np 4 \
-        sh -c 'echo $$ >"$FOLDER/process-$OMPI_COMM_WORLD_RANK" && exec "$0" "$@"' \
+    FOLDER=$folder "${mpirun[@]}" -np 4 \
+        sh -c 'echo $$ >"$FOLDER/process-${OMPI_COMM_WORLD_RANK:-$PMI_RANK}" && exec "$0" "$@"' \
         "$cupola" node "${common[@]}" --time-out $limit --log "$folder/said" -- "${program[@]}" >"$folder/log" 2>&1 &
     launcher=$!
     for node in 0 1 2 3; do
@@ -80,7 +81,8 @@ pause() {
     local from=$1 node
     shift
     for node in "$@"; do
-        awk -v from="$from" -v to="${EPOCHREALTIME/[.,]/}" 'function look(time) { if (time - last > most) most = time - last }
+        awk -v from="$from" -v to="${EPOCHREALTIME/[.,]/}" '
+            function look(time) { if (time - last > most) most = time - last }
             BEGIN { last = from } $2 > from { look($2); last = $2 } END { look(to); printf "%d\n", most / 1000 }' \
             "$folder/times-$node"
     done | sort -n | tail -n 1
@@ -133,7 +135,8 @@ end_show
 say "mpirun is killed"
 begin launcher
 from=${EPOCHREALTIME/[.,]/}
-kill -KILL $launcher
+# A shell that waits at once does not print that it was killed.
+{ kill -KILL $launcher && wait $launcher; } 2>/dev/null || true
 sleep 3
 expect_pause "of the programs" "$(pause "$from" 0 1 2 3)"
 for node in 0 1 2 3; do

@@ -1,6 +1,6 @@
 # shellcheck shell=bash disable=SC2154
-# The part of scripts/stream that sends pictures over the network of this machine. It uses the functions of that script.
-# A second ffmpeg receives and decodes them; the reader takes the numbers of the frames from its pixels.
+# The part of scripts/stream that sends pictures over the network of this machine. It uses the functions of that
+# script. A second ffmpeg receives and decodes them; the reader takes the numbers of the frames from its pixels.
 
 side=$((side < 512 ? side : 512)) size=${side}x$side port=$((20000 + $$ % 20000)) status=0
 
@@ -9,8 +9,8 @@ is_open() {
     grep -qs ":$(printf %04X "$port") " /proc/net/tcp /proc/net/tcp6 /proc/net/udp /proc/net/udp6
 }
 
-# over NAME RECEIVED SENT [OPTION…]: sends pictures to the address SENT, and reads them from the address RECEIVED, with
-# options of the receiver. PORT stands for a free port.
+# over NAME RECEIVED SENT [OPTION…]: sends pictures to the address SENT, and reads them from the address RECEIVED,
+# with options of the receiver. PORT stands for a port.
 over() {
     local name=$1 received=$2 sent=$3 receiver reader
     shift 3
@@ -48,8 +48,8 @@ over() {
     # The receiver joins with a key frame: there is one after each 60 pictures.
     awk -v name="$name" -v frames="$frames" -v lost="$(jq .lost "$out/$name.json")" '
         NR == 1 { first = $1 } NR > 1 { gaps += $1 - before - 1 } { before = $1 } END {
-            printf "%-22s pictures %d to %d, %d between them are missing, %d were counted as lost\n", name, first, before,
-                gaps, lost
+            printf "%-22s pictures %d to %d, %d between them are missing, %d were counted as lost\n", name, first,
+                before, gaps, lost
             exit first > 130 || before < frames || gaps > lost
         }' "$out/$name.reads" || { echo "$name: pictures are missing; see $out/$name.receiver"; status=1; }
 }
