@@ -21,6 +21,8 @@ start_x_server "$out"
 export LP_NUM_THREADS=1 vblank_mode=0 LIBGL_ALWAYS_SOFTWARE=1 CUPOLA_CACHE=$out/results
 # Open MPI refuses to run for root otherwise.
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+# It leaves files when it is killed: here, and not in /dev/shm.
+export OMPI_MCA_btl_vader_backing_directory=$out
 sed 's/^size = .*/size = [96, 54]/' src/rig/presets/planetarium-6.toml >"$out/dome.toml"
 common=(--rig "$out/dome.toml" --size 96x96 --offscreen)
 # The program writes a line for each frame to a file of its node in FOLDER.
