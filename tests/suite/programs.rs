@@ -296,7 +296,7 @@ pub fn resized(rig: Option<&str>, sizes: &str, program: &[&str]) -> Option<Finis
 }
 
 /// Whether a program is installed.
-fn is_installed(program: &str) -> bool {
+pub fn is_installed(program: &str) -> bool {
     let folders = std::env::var_os("PATH").unwrap_or_default();
     let installed = std::env::split_paths(&folders).any(|folder| folder.join(program).is_file());
     if !installed {

@@ -1,8 +1,8 @@
 //! `cupola record`: two recordings are equal, and an interrupted recording can be continued.
 
 use crate::display;
-use crate::harness::tests;
-use crate::programs::{Finished, Run, built, library, scratch, vulkan_apps};
+use crate::harness::{note, tests};
+use crate::programs::{Finished, Run, built, is_installed, library, scratch, vulkan_apps};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
@@ -14,6 +14,8 @@ tests! {
     a_range_has_the_frames_of_the_whole_recording,
     files_of_16_bits_and_open_exr,
     a_recording_without_flat_drawing,
+    a_film_has_each_frame_in_order,
+    a_terminal_shows_the_progress,
 }
 
 const FRAMES: usize = 6;
@@ -225,4 +227,126 @@ fn without_flat_drawing(flat: &Run<'_>, scene: &Run<'_>) {
         "something else than the squares is left out: {:?}",
         without.difference(alone)
     );
+}
+
+/// Side of the pictures of films.
+const SIDE: usize = 96;
+
+/// A program that paints the number of each frame into the picture. It ends after `frames`; with 0
+/// it does not end.
+fn painting(frames: usize) -> Run<'static> {
+    Run { frames, size: (SIDE, SIDE), ..Run::new("frame_index") }
+}
+
+/// Numbers that are painted into pictures of four bytes per pixel, as `frame_index` does it.
+fn painted(pixels: &[u8]) -> Vec<u32> {
+    const BITS: usize = 24;
+    assert_eq!(pixels.len() % (SIDE * SIDE * 4), 0, "{} bytes are no whole pictures", pixels.len());
+    let is_white = |picture: &[u8], column: usize| {
+        let middle = (2 * column + 1) * SIDE / (2 * BITS);
+        picture[4 * (SIDE / 2 * SIDE + middle)] > 127
+    };
+    let number =
+        |picture: &[u8]| (0..BITS).fold(0, |number, column| number << 1 | u32::from(is_white(picture, column)));
+    pixels.chunks(SIDE * SIDE * 4).map(number).collect()
+}
+
+/// What a command writes to its standard output. Panics if it fails.
+fn output_of(program: &str, arguments: &[&str], file: &Path) -> Vec<u8> {
+    let (options, rest) = arguments.split_at(arguments.iter().position(|word| *word == "FILE").expect("FILE"));
+    let output = Command::new(program).args(options).arg(file).args(&rest[1..]).output().expect("it starts");
+    assert!(output.status.success(), "{program} {}: {}", file.display(), String::from_utf8_lossy(&output.stderr));
+    output.stdout
+}
+
+fn a_film_has_each_frame_in_order() {
+    const FRAMES: u32 = 12;
+    if !is_installed("ffmpeg") || !is_installed("ffprobe") {
+        return;
+    }
+    let folder = scratch("film");
+    let film = |name: &str, run: &Run<'_>, options: &[&str]| {
+        let usual = ["--rig", "identity", "--fps", "30", "--name", "Show"];
+        record_run(&folder.join(name), run, &[&usual, options].concat())
+    };
+    for (preset, codec, file) in
+        [("h264", "h264", "Show.mp4"), ("h265", "hevc", "Show.mp4"), ("prores", "prores", "Show.mov")]
+    {
+        let Some(finished) = film(preset, &painting(0), &["--film", preset, "--frames", "12"]) else { return };
+        finished.expect_success();
+        assert_eq!(files(&folder.join(preset)).into_keys().collect::<Vec<_>>(), [file]);
+        let file = folder.join(preset).join(file);
+        let entries = "stream=codec_name,width,height,r_frame_rate,nb_read_frames";
+        let probe = ["-v", "error", "-count_frames", "-show_entries", entries, "-of", "csv=p=0", "FILE"];
+        let words = String::from_utf8(output_of("ffprobe", &probe, &file)).expect("UTF-8");
+        assert_eq!(words.trim(), format!("{codec},{SIDE},{SIDE},30/1,{FRAMES}"));
+        assert_eq!(painted(&decoded(&file)), (1..=FRAMES).collect::<Vec<_>>(), "{preset}");
+    }
+    // Control: the numbers are those of the pictures, not those of their places.
+    let part = ["--film", "h264", "--from", "5", "--to", "8"];
+    let Some(finished) = film("part", &painting(0), &part) else { return };
+    finished.expect_success();
+    assert_eq!(painted(&decoded(&folder.join("part/Show.mp4"))), [5, 6, 7, 8]);
+    // An incomplete film does not have its name.
+    let Some(finished) = film("short", &painting(4), &["--film", "h264", "--frames", "12"]) else { return };
+    assert!(!finished.succeeded() && finished.words().contains("after 4 of 12 frames"), "{}", finished.words());
+    assert!(!folder.join("short/Show.mp4").exists());
+}
+
+/// Pixels of all pictures of a film, decoded by ffmpeg, which leaves none out and repeats none.
+fn decoded(film: &Path) -> Vec<u8> {
+    let way = ["-fps_mode", "passthrough", "-f", "rawvideo", "-pix_fmt", "rgba", "-"];
+    output_of("ffmpeg", &[&["-nostdin", "-v", "error", "-i", "FILE"][..], &way].concat(), film)
+}
+
+/// A word of a command for the shell.
+fn quoted(word: &str) -> String {
+    format!("'{}'", word.replace('\'', "'\\''"))
+}
+
+/// The first line of a progress bar that has all parts: frames, rate, space on the disk, time to go.
+fn line_of_progress(text: &str, frames: usize) -> Option<&str> {
+    let is_complete = |line: &&str| {
+        let parts = || {
+            let (_, rest) = line.split_once(&format!("/{frames} frames, "))?;
+            let (rate, rest) = rest.split_once(" in a second, ")?;
+            let (space, rest) = rest.split_once(" free, to go: ")?;
+            Some((rate.parse::<f64>().ok()?, space.split_once(' ')?, rest.chars().next()?))
+        };
+        parts().is_some_and(|(rate, (number, unit), time)| {
+            rate > 0.0 && number.parse::<f64>().is_ok() && unit.ends_with('B') && time.is_ascii_digit()
+        })
+    };
+    text.split(['\r', '\n']).find(is_complete)
+}
+
+fn a_terminal_shows_the_progress() {
+    if !is_installed("script") {
+        return;
+    }
+    let folder = scratch("progress");
+    let run = painting(0);
+    let place = display::place();
+    let mut words = vec![env!("CARGO_BIN_EXE_cupola").to_owned()];
+    words.extend(["record", "--rig", "identity", "--frames", "40", "--out"].map(str::to_owned));
+    words.extend([folder.display().to_string(), "--".to_owned()]);
+    words.push(built().join(run.program).display().to_string());
+    words.extend(run.arguments(&place));
+    let shell = words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ");
+    // `script` gives the command a terminal, and writes what is shown there to its own output.
+    let mut terminal = Command::new("script");
+    terminal.env("CUPOLA_LIBRARY", library()).args(["-q", "-e", "-c", &shell, "/dev/null"]);
+    let Some(finished) = Finished::of(terminal, run.program, "record in a terminal") else { return };
+    let finished = finished.expect_success();
+    assert_eq!(files(&folder).len(), 40);
+    let shown = finished.messages();
+    let line = line_of_progress(&shown, 40);
+    note(format_args!("{line:?}"));
+    assert!(line.is_some() && line_of_progress(&shown, 41).is_none(), "{shown}");
+    // Control: where there is no terminal, there is no bar.
+    let Some(finished) = record_run(&scratch("without"), &run, &["--rig", "identity", "--frames", "40"]) else {
+        return;
+    };
+    let finished = finished.expect_success();
+    assert!(!finished.words().contains("to go:") && !finished.messages().contains("to go:"), "{}", finished.words());
 }

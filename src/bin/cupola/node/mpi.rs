@@ -22,6 +22,9 @@ use std::time::{Duration, Instant};
 /// Interval of polling for messages.
 const LOOK: Duration = Duration::from_micros(50);
 
+/// Longest time for the last messages if a node is lost, which does not receive them.
+const LAST: Duration = Duration::from_millis(500);
+
 /// Processes that `mpirun` has started.
 pub struct Job {
     universe: Universe,
@@ -60,14 +63,15 @@ impl Job {
         let peers = if self.place.number == 0 { 1..self.place.count as i32 } else { 0..1 };
         let mut senders = vec![None];
         senders.resize_with(self.place.count as usize, || None);
+        let mut threads = Vec::new();
         for peer in peers {
-            let (sender, receiver) = channel::<Message>();
-            std::thread::spawn(move || {
+            let (sender, receiver) = channel::<Option<Message>>();
+            threads.push(std::thread::spawn(move || {
                 let world = SimpleCommunicator::world();
-                for message in receiver {
+                while let Ok(Some(message)) = receiver.recv() {
                     world.process_at_rank(peer).send(&message.words()[..]);
                 }
-            });
+            }));
             senders[peer as usize] = Some(sender);
         }
         let closed = Arc::clone(&is_closed);
@@ -85,7 +89,7 @@ impl Job {
                 deliver(usize::try_from(from).unwrap_or(0), Message::of(words));
             }
         });
-        let parts = Mutex::new(Some((self.universe, reader)));
+        let parts = Mutex::new(Some(Parts { universe: self.universe, reader, senders: threads }));
         Box::new(Messages { senders, is_one_machine: self.is_one_machine, is_closed, parts })
     }
 
@@ -163,10 +167,18 @@ impl PictureLink for Pictures {
 }
 
 struct Messages {
-    senders: Vec<Option<Sender<Message>>>,
+    /// To the thread of each destination; `None` in a channel ends the thread.
+    senders: Vec<Option<Sender<Option<Message>>>>,
     is_one_machine: bool,
     is_closed: Arc<AtomicBool>,
-    parts: Mutex<Option<(Universe, JoinHandle<()>)>>,
+    parts: Mutex<Option<Parts>>,
+}
+
+/// MPI, and the threads that use it.
+struct Parts {
+    universe: Universe,
+    reader: JoinHandle<()>,
+    senders: Vec<JoinHandle<()>>,
 }
 
 impl Link for Messages {
@@ -174,7 +186,7 @@ impl Link for Messages {
         if let Some(Some(sender)) = self.senders.get(to) {
             for message in messages {
                 // The thread lives as long as this link.
-                let _ = sender.send(*message);
+                let _ = sender.send(Some(*message));
             }
         }
     }
@@ -186,8 +198,17 @@ impl Link for Messages {
     fn close(&self, is_clean: bool) {
         self.is_closed.store(true, Ordering::SeqCst);
         let parts = self.parts.lock().ok().and_then(|mut parts| parts.take());
-        if let Some((universe, reader)) = parts {
+        if let Some(Parts { universe, reader, senders }) = parts {
             let _ = reader.join();
+            // The last messages may not be sent yet, and MPI has to be there for them.
+            for sender in self.senders.iter().flatten() {
+                // A thread that has ended needs no end.
+                let _ = sender.send(None);
+            }
+            let begin = Instant::now();
+            while !senders.iter().all(JoinHandle::is_finished) && (is_clean || begin.elapsed() < LAST) {
+                std::thread::sleep(LOOK);
+            }
             if is_clean {
                 drop(universe);
             } else {
