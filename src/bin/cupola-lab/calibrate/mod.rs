@@ -10,6 +10,7 @@ mod trials;
 mod world;
 
 use crate::failure::Failure;
+use photographs::Photographed;
 use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -21,7 +22,7 @@ pub struct Arguments {
     /// Rigs that are made and solved for each noise
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..))]
     runs: u32,
-    /// Also render, decode and solve photographs of 12 megapixels, which takes minutes
+    /// Also render, decode and solve photographs of 12 megapixels, which takes up to an hour
     #[arg(long)]
     photographs: bool,
     /// Write a plot of error against noise to this file
@@ -44,10 +45,11 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     }
     let photographed = arguments.photographs.then(photographs::measured).transpose()?;
     if arguments.json {
+        let tables = |found: Vec<Photographed>| found.iter().map(Photographed::json).collect::<Vec<_>>();
         let series: Vec<_> = series.iter().map(trials::Series::json).collect();
-        println!("{:#}", json!({ "series": series, "photographs": photographed.map(|found| found.json()) }));
-    } else if let Some(found) = photographed {
-        print!("{}", found.table());
+        println!("{:#}", json!({ "series": series, "photographs": photographed.map(tables) }));
+    } else {
+        photographed.iter().flatten().for_each(|found| print!("{}", found.table()));
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -21,8 +21,6 @@ const CELL: u32 = 4;
 const SAMPLES: usize = 3;
 /// Standard deviation of the lens' blur, pixels.
 const BLUR: f64 = 0.8;
-/// Value of white in the middle of the sensor, as a part of the greatest value.
-const EXPOSURE: f64 = 0.7;
 /// Light of the room, and light that the dome throws onto itself.
 const AMBIENT: f64 = 0.004;
 /// Noise of black, and number of electrons that saturate a pixel.
@@ -30,19 +28,46 @@ const READ: f64 = 0.002;
 const ELECTRONS: f64 = 20_000.0;
 /// Standard deviation of clicks on marks in the photograph, pixels.
 const CLICKS: f64 = 0.3;
-/// Numbers of marks that are tried.
-const MARKS: [usize; 2] = [20, 100];
+/// Numbers of marks that are tried, and the part of all observations that are wrong.
+const TRIES: [(usize, f64); 3] = [(20, 0.0), (100, 0.0), (100, 0.1)];
 
-/// Results.
+/// How photographs are taken, and what is free.
+struct Setting {
+    name: &'static str,
+    /// Value of white in the middle of the sensor, as a part of the greatest value.
+    exposure: f64,
+    free: &'static [Part],
+}
+
+const POSE: [Part; 1] = [Part::Pose];
+const LENS: [Part; 4] = [Part::Pose, Part::Fov, Part::Shift, Part::Radial];
+const SETTINGS: [Setting; 4] = [
+    Setting { name: "known lenses", exposure: 0.7, free: &POSE },
+    Setting { name: "unknown lenses", exposure: 0.7, free: &LENS },
+    Setting { name: "unknown lenses, underexposed to a fifth", exposure: 0.14, free: &LENS },
+    Setting { name: "unknown lenses, overexposed to twice the range", exposure: 2.0, free: &LENS },
+];
+
+/// Results for a setting.
 pub struct Photographed {
+    name: &'static str,
     photographs: usize,
     sightings: usize,
     /// Errors of the decoded places: root mean square, and length of the mean, pixels of the
     /// photographs.
     decoding: (f64, f64),
     rendering: f64,
-    /// Number of marks, the error of each output in pixels, seconds.
-    solved: Vec<(usize, Vec<f64>, f64)>,
+    solved: Vec<Solved>,
+}
+
+/// Result of one solution.
+struct Solved {
+    marks: usize,
+    /// Part of all observations that are wrong.
+    wrong: f64,
+    /// Error of each output, pixels.
+    errors: Vec<f64>,
+    seconds: f64,
 }
 
 impl Photographed {
@@ -50,25 +75,26 @@ impl Photographed {
     pub fn table(&self) -> String {
         let (width, height) = PHOTOGRAPH;
         let mut table = format!(
-            "\n{} photographs of {width} × {height} pixels, {} sightings with {:.3} px rms of error (mean {:.3} px); \
-             rendered and decoded in {:.0} s\n\n\
-             | marks | error, px | worst output, px | solved in, s |\n|---|---|---|---|\n",
-            self.photographs, self.sightings, self.decoding.0, self.decoding.1, self.rendering
+            "\n{}: {} photographs of {width} × {height} pixels, {} sightings with {:.3} px rms of error (mean {:.3} \
+             px); rendered and decoded in {:.0} s\n\n\
+             | marks | wrong | error, px | worst output, px | solved in, s |\n|---|---|---|---|---|\n",
+            self.name, self.photographs, self.sightings, self.decoding.0, self.decoding.1, self.rendering
         );
-        for (marks, errors, seconds) in &self.solved {
+        for Solved { marks, wrong, errors, seconds } in &self.solved {
+            let (wrong, error, worst) = (100.0 * wrong, rms(errors), greatest(errors));
             // Writing into a string cannot fail.
-            let _ = writeln!(table, "| {marks} | {:.4} | {:.4} | {seconds:.1} |", rms(errors), greatest(errors));
+            let _ = writeln!(table, "| {marks} | {wrong:.0} % | {error:.4} | {worst:.4} | {seconds:.1} |");
         }
         table
     }
 
     /// The results as JSON.
     pub fn json(&self) -> serde_json::Value {
-        let solved = self.solved.iter().map(|(marks, errors, seconds)| {
-            json!({ "marks": marks, "error": rms(errors), "outputs": errors, "seconds": seconds })
+        let solved = self.solved.iter().map(|Solved { marks, wrong, errors, seconds }| {
+            json!({ "marks": marks, "wrong": wrong, "error": rms(errors), "outputs": errors, "seconds": seconds })
         });
         json!({
-            "photographs": self.photographs, "sightings": self.sightings, "seconds": self.rendering,
+            "name": self.name, "photographs": self.photographs, "sightings": self.sightings, "seconds": self.rendering,
             "decoding_rms": self.decoding.0, "decoding_mean": self.decoding.1,
             "solved": solved.collect::<Vec<_>>(),
         })
@@ -83,10 +109,14 @@ fn greatest(values: &[f64]) -> f64 {
     values.iter().copied().fold(0.0, f64::max)
 }
 
-/// Renders the photographs of all outputs, decodes and solves them.
-pub fn measured() -> Result<Photographed, Failure> {
+/// Renders the photographs of all settings, decodes and solves them.
+pub fn measured() -> Result<Vec<Photographed>, Failure> {
+    SETTINGS.iter().map(measured_with).collect()
+}
+
+fn measured_with(setting: &Setting) -> Result<Photographed, Failure> {
     let mut random = Random::new(7);
-    let world = World::new(&mut random, &[Part::Pose])?;
+    let world = World::new(&mut random, setting.free)?;
     let camera = world::camera(&mut random);
     let codes = Codes::new(SIZE, CELL);
     let outputs = world.exact.outputs.len();
@@ -98,7 +128,7 @@ pub fn measured() -> Result<Photographed, Failure> {
         let scene = Scene::new(&world, output, &camera, &rays)?;
         let mut take = |picture: Picture| {
             bar.inc(1);
-            scene.photograph(&codes, picture, &mut random)
+            scene.photograph(&codes, picture, setting.exposure, &mut random)
         };
         let (white, black) = (take(Picture::White), take(Picture::Black));
         let unlike = || Failure::new("photographs of different sizes");
@@ -116,17 +146,24 @@ pub fn measured() -> Result<Photographed, Failure> {
     let decoding = decoding(&world, &camera, &observed)?;
     let sizes = vec![SIZE; outputs];
     let mut solved = Vec::new();
-    for marks in MARKS {
+    for (marks, wrong) in TRIES {
         observed.landmarks = world::landmarks(&world, &camera, marks, &mut random);
         observed.landmarks.iter_mut().for_each(|(seen, _)| *seen += CLICKS * random.gaussian());
+        let seen = observed.sightings.iter_mut().map(|sighting| &mut sighting.seen);
+        // The last try has the wrong ones, so that they are not undone.
+        for seen in seen.chain(observed.landmarks.iter_mut().map(|(seen, _)| seen)) {
+            if random.range(0.0, 1.0) < wrong {
+                *seen += 200.0 * random.gaussian();
+            }
+        }
         let begin = Instant::now();
-        let found = joint::solve(&world.rough, &sizes, &observed, &[Part::Pose])?;
+        let found = joint::solve(&world.rough, &sizes, &observed, setting.free)?;
         let seconds = begin.elapsed().as_secs_f64();
         let errors = found.outputs.iter().map(|(output, solved)| world.error(*output, &solved.optics));
-        solved.push((marks, errors.collect::<Result<_, _>>()?, seconds));
+        solved.push(Solved { marks, wrong, errors: errors.collect::<Result<_, _>>()?, seconds });
     }
-    let photographs = outputs * codes.pictures().len();
-    Ok(Photographed { photographs, sightings: observed.sightings.len(), decoding, rendering, solved })
+    let (name, photographs, sightings) = (setting.name, outputs * codes.pictures().len(), observed.sightings.len());
+    Ok(Photographed { name, photographs, sightings, decoding, rendering, solved })
 }
 
 /// Root mean square and mean of the differences between decoded places and exact ones.
@@ -205,7 +242,7 @@ impl Scene {
     }
 
     /// Photograph of a picture.
-    fn photograph(&self, codes: &Codes, picture: Picture, random: &mut Random) -> Photograph {
+    fn photograph(&self, codes: &Codes, picture: Picture, exposure: f64, random: &mut Random) -> Photograph {
         let [left, top, width, height] = self.part;
         let white = |cell: &[u16; 2]| {
             *cell != NOTHING && codes.is_white(picture, (u32::from(cell[0]) * CELL, u32::from(cell[1]) * CELL))
@@ -213,9 +250,9 @@ impl Scene {
         let light = self.cells.iter().map(|cells| cells.iter().filter(|cell| white(cell)).count() as f32);
         let light = blurred(&light.map(|count| count / (SAMPLES * SAMPLES) as f32).collect::<Vec<_>>(), width);
         let (columns, rows) = (PHOTOGRAPH.0 as usize, PHOTOGRAPH.1 as usize);
-        let mut values = vec![encoded(EXPOSURE * AMBIENT); columns * rows];
+        let mut values = vec![encoded(exposure * AMBIENT); columns * rows];
         for index in 0..width * height {
-            let exact = EXPOSURE * f64::from(self.vignetting[index]) * (f64::from(light[index]) + AMBIENT);
+            let exact = exposure * f64::from(self.vignetting[index]) * (f64::from(light[index]) + AMBIENT);
             let noise = (READ * READ + exact / ELECTRONS).sqrt() * random.gaussian().x;
             values[(top + index / width) * columns + left + index % width] = encoded(exact + noise);
         }

@@ -82,6 +82,8 @@ impl<'a> Caller<'a> {
             // Handles of the extension are names.
             "GLhandleARB" => "p",
             // The driver chooses the location.
+            // Triangles without area have the front or the back ahead by the direction of the window's rows.
+            "glRenderMode" => "s",
             _ if name.ends_with("Location") => "s",
             _ => "i",
         }
@@ -335,6 +337,7 @@ impl<'a> Caller<'a> {
             ("void", true, 1) if of.contains("Pointer") || of.contains("InterleavedArrays") => {
                 format!("@a{}", self.pick(&[0, 0, 4, 16]))
             }
+            ("void", true, 1) if of == "glCallLists" => format!("[n{}", self.slots('l')),
             ("void", true, 1) if of.contains("Indirect") => format!("@i{}", self.pick(&[0, 0, 4, 16])),
             ("void", true, 1) if name == "indices" => format!("@e{}", self.pick(&[0, 0, 4, 16])),
             ("void", true, 1) if name == "pixels" || of.contains("Image") => {

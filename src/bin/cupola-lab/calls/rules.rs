@@ -29,7 +29,7 @@ pub fn begins(name: &str, beginning: &str) -> bool {
 }
 
 /// Prefixes of the names of commands that are not called, with the reason.
-pub const LEFT_OUT: [(&str, &str); 39] = [
+pub const LEFT_OUT: [(&str, &str); 40] = [
     ("glGetn", "takes sizes of areas that are not those of the areas here"),
     ("glReadnPixels", "the same"),
     ("glMultiModeDraw", "takes lists of modes by a stride"),
@@ -38,6 +38,7 @@ pub const LEFT_OUT: [(&str, &str); 39] = [
     ("glFramebufferParameteri", "Mesa 22.3 waits for itself at the next flush if a primitive was just drawn"),
     ("glNamedFramebufferParameteri", "the same"),
     ("glEvalCoord", "Mesa 22.3 leaves the values of evaluators in current attributes"),
+    ("glEvalPoint", "the same"),
     ("glProgramBinary", "binaries of programs are a known limit"),
     ("glGetProgramBinary", "the same"),
     ("glGetCompressedTexture", "Mesa 22.3 crashes for textures that are not compressed"),

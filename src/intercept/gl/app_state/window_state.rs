@@ -141,12 +141,16 @@ hooks! {
             }
         }
     };
-    "glRenderMode" render_mode(mode: u32) -> i32 = |ctx, gl| {
-        ctx.app.set_render_mode(mode);
-        if ctx.app.picking() && ctx.redirected() {
-            ctx.set_viewport(ctx.app.viewport());
+    "glRenderMode" render_mode(mode: u32) -> i32 = |ctx, _gl| {
+        let mut result = 0;
+        // Without a buffer for feedback or selection, for example, the mode stays.
+        if ctx.driver.accepts(|gl| result = gl.render_mode(mode)) {
+            ctx.app.set_render_mode(mode);
+            if ctx.app.picking() && ctx.redirected() {
+                ctx.set_viewport(ctx.app.viewport());
+            }
         }
-        gl.render_mode(mode)
+        result
     };
     "glPushAttrib" push_attrib(mask: u32) = |ctx, _gl| {
         if ctx.compiling() { list_recording::record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::PushAttributes(mask)) } else { push_attributes(&ctx.driver, &mut ctx.app, &ctx.compat, &ctx.lists, mask) }

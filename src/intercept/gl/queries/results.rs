@@ -37,11 +37,9 @@ fn answer(driver: &Driver, queries: &Queries, name: u32, what: u32) -> Option<u6
 /// # Safety
 /// `values` must point at writable memory for a `T`, or be an offset if a buffer for results is
 /// bound.
-unsafe fn write<T>(driver: &Driver, queries: &Queries, value: T, values: *mut T) {
+unsafe fn write<T: Copy>(driver: &mut Driver, queries: &Queries, value: T, values: *mut T) {
     if ResultBuffer::unbind(driver.gl, queries.has_buffers).name() != 0 {
-        let size = size_of::<T>() as isize;
-        // SAFETY: the driver checks the offset.
-        unsafe { driver.gl.buffer_sub_data(api::GL_QUERY_BUFFER, values as isize, size, (&raw const value).cast()) };
+        write_to_buffer(driver, Target::Bound, values as isize, value);
     } else if !values.is_null() {
         // SAFETY: `values` points at memory for a `T`, as the caller guarantees.
         unsafe { values.write(value) };
@@ -80,14 +78,46 @@ fn is_own(queries: &Queries, name: u32) -> bool {
             .any(|r| part(&r.before, r.name) || r.now.is_some_and(|n| n.0 == name && name != r.name))
 }
 
-/// Writes an answer into a buffer of the program.
-fn write_to_buffer<T: Copy>(driver: &mut Driver, buffer: u32, offset: isize, value: T) {
+/// A buffer of the program for results.
+#[derive(Clone, Copy)]
+enum Target {
+    /// The one that is bound for results.
+    Bound,
+    /// The one with this name.
+    Named(u32),
+}
+
+/// Writes an answer into a buffer of the program, also if only the device may change its contents (immutable storage
+/// without `GL_DYNAMIC_STORAGE_BIT`): such buffers can be cleared, word by word.
+fn write_to_buffer<T: Copy>(driver: &mut Driver, buffer: Target, offset: isize, value: T) {
     driver.take_errors();
-    // SAFETY: writes the value into the buffer, or reports an error.
-    let error = unsafe {
-        driver.gl.named_buffer_sub_data(buffer, offset, size_of::<T>() as isize, (&raw const value).cast());
-        driver.gl.get_error()
-    };
+    let (gl, from) = (driver.gl, (&raw const value).cast::<u8>());
+    let whole = size_of::<T>() as isize;
+    let step = if offset % 4 == 0 { 4 } else { whole };
+    let mut error = api::GL_NO_ERROR;
+    // The last word first: if the buffer is too short, nothing is written.
+    for at in (0..whole).step_by(step as usize).rev() {
+        let clear = (api::GL_R32UI, offset + at, 4, api::GL_RED_INTEGER, api::GL_UNSIGNED_INT);
+        // SAFETY: the word lies in `value`. The driver checks the place in the buffer.
+        error = unsafe {
+            let word = from.offset(at).cast();
+            match (buffer, step == 4) {
+                (Target::Bound, true) => {
+                    gl.clear_buffer_sub_data(api::GL_QUERY_BUFFER, clear.0, clear.1, clear.2, clear.3, clear.4, word);
+                }
+                (Target::Named(name), true) => {
+                    gl.clear_named_buffer_sub_data(name, clear.0, clear.1, clear.2, clear.3, clear.4, word);
+                }
+                // Clearing needs a place that is a multiple of four.
+                (Target::Bound, false) => gl.buffer_sub_data(api::GL_QUERY_BUFFER, offset, whole, word),
+                (Target::Named(name), false) => gl.named_buffer_sub_data(name, offset, whole, word),
+            }
+            gl.get_error()
+        };
+        if error != api::GL_NO_ERROR {
+            break;
+        }
+    }
     if error != api::GL_NO_ERROR {
         // For a query beyond the end of the buffer is a wrong operation, not a wrong value.
         driver.note_error(if offset < 0 { error } else { api::GL_INVALID_OPERATION });
@@ -127,7 +157,7 @@ macro_rules! counting_hooks {
                 $name $method(name: u32, what: u32, values: *mut $t) = |ctx, gl| {
                     if !refuses(&mut ctx.driver, &ctx.queries, name) {
                         match answer(&ctx.driver, &ctx.queries, name, what) {
-                            Some(count) => write(&ctx.driver, &ctx.queries, <$t>::try_from(count).unwrap_or(<$t>::MAX), values),
+                            Some(count) => write(&mut ctx.driver, &ctx.queries, <$t>::try_from(count).unwrap_or(<$t>::MAX), values),
                             None => gl.$method(name, what, values),
                         }
                     }
@@ -137,7 +167,7 @@ macro_rules! counting_hooks {
                     if !refuses(&mut ctx.driver, &ctx.queries, name) {
                         match answer(&ctx.driver, &ctx.queries, name, what) {
                             Some(count) => {
-                                write_to_buffer(&mut ctx.driver, buffer, offset, <$t>::try_from(count).unwrap_or(<$t>::MAX));
+                                write_to_buffer(&mut ctx.driver, Target::Named(buffer), offset, <$t>::try_from(count).unwrap_or(<$t>::MAX));
                             }
                             None => gl.$buffer_method(name, buffer, what, offset),
                         }

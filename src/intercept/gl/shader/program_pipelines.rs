@@ -61,21 +61,19 @@ hooks! {
         ctx.shaders.bind_pipeline(pipeline);
         choose(&ctx.share, &ctx.driver, &mut ctx.shaders);
     };
-    "glUseProgramStages" use_program_stages(pipeline: u32, stages: u32, program: u32) = |ctx, gl| {
+    "glUseProgramStages" use_program_stages(pipeline: u32, stages: u32, program: u32) = |ctx, _gl| {
         let asked = programs::asked(&ctx.share, program);
-        gl.use_program_stages(pipeline, stages, asked);
-        if asked != program {
-            // A program without an executable is refused.
+        // Refused are programs that are not separable. Those without an executable are asked for by another name.
+        if !ctx.driver.accepts(|gl| gl.use_program_stages(pipeline, stages, asked)) || asked != program {
             return;
         }
         let present = programs::record(&ctx.share, program).map_or(0, |p| p.stages());
         ctx.shaders.set_stages(pipeline, stages, program, present);
         choose(&ctx.share, &ctx.driver, &mut ctx.shaders);
     };
-    "glActiveShaderProgram" active_shader_program(pipeline: u32, program: u32) = |ctx, gl| {
+    "glActiveShaderProgram" active_shader_program(pipeline: u32, program: u32) = |ctx, _gl| {
         let asked = programs::asked(&ctx.share, program);
-        gl.active_shader_program(pipeline, asked);
-        if asked != program {
+        if !ctx.driver.accepts(|gl| gl.active_shader_program(pipeline, asked)) || asked != program {
             return;
         }
         ctx.shaders.set_active(pipeline, program);

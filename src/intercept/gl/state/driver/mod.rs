@@ -68,6 +68,19 @@ impl Driver {
         }
     }
 
+    /// Makes a call of the program, and returns whether the driver accepted it. Its error is noted for
+    /// the program.
+    pub fn accepts(&mut self, call: impl FnOnce(&Gl)) -> bool {
+        self.take_errors();
+        call(self.gl);
+        // SAFETY: asks for the error flag.
+        let error = unsafe { self.gl.get_error() };
+        if error != api::GL_NO_ERROR {
+            self.keep_first(error);
+        }
+        error == api::GL_NO_ERROR
+    }
+
     fn keep_first(&mut self, error: u32) {
         if self.pending_error == api::GL_NO_ERROR {
             self.pending_error = error;
