@@ -83,7 +83,7 @@ impl<'a> Caller<'a> {
             "GLhandleARB" => "p",
             // The driver chooses the location.
             // Triangles without area have the front or the back ahead by the direction of the window's rows.
-            "glRenderMode" => "s",
+            _ if name == "glRenderMode" => "s",
             _ if name.ends_with("Location") => "s",
             _ => "i",
         }
