@@ -45,6 +45,12 @@ enum Action {
         #[arg(required = true, value_name = "KEY=VALUE")]
         changes: Vec<String>,
     },
+    /// Remove keys, which then have their defaults: all of them or none
+    Unset {
+        /// For example viewer.yaw
+        #[arg(required = true)]
+        keys: Vec<String>,
+    },
     /// Undo the last change
     Undo,
     /// Redo the last undone change
@@ -171,7 +177,8 @@ fn command(action: &Action) -> Command {
         Action::Stats => Command::State {},
         Action::Keys => Command::Keys {},
         Action::Get { key } => Command::Get { key: key.clone() },
-        Action::Set { changes } => Command::Set { changes: changes.clone(), gesture: None },
+        Action::Set { changes } => Command::Set { changes: changes.clone(), remove: Vec::new(), gesture: None },
+        Action::Unset { keys } => Command::Set { changes: Vec::new(), remove: keys.clone(), gesture: None },
         Action::Undo => Command::Undo {},
         Action::Redo => Command::Redo {},
         Action::Save { replace } => Command::Save { replace: *replace },
@@ -193,10 +200,12 @@ fn command(action: &Action) -> Command {
 
 /// Text for the value of a key, or for a missing one.
 fn shown(key: &Value) -> String {
-    match (&key["value"], &key["default"]) {
-        (Value::Null, Value::Null) => "not set".to_owned(),
-        (Value::Null, default) => format!("{default} (default)"),
-        (value, _) => value.to_string(),
+    // Lists and tables are shown as the file has them.
+    match (key["toml"].as_str(), &key["value"], &key["default"]) {
+        (Some(text), ..) => text.to_owned(),
+        (None, Value::Null, Value::Null) => "not set".to_owned(),
+        (None, Value::Null, default) => format!("{default} (default)"),
+        (None, value, _) => value.to_string(),
     }
 }
 
@@ -205,7 +214,7 @@ fn print_key(key: &Value) {
         Some("number") => {
             format!("{} to {}, {}", key["least"], key["greatest"], key["what"].as_str().unwrap_or_default())
         }
-        Some("whole") => key["what"].as_str().unwrap_or_default().to_owned(),
+        Some("whole" | "text" | "value") => key["what"].as_str().unwrap_or_default().to_owned(),
         Some("word") => {
             let words = key["words"].as_array().into_iter().flatten().filter_map(Value::as_str);
             words.collect::<Vec<_>>().join(", ")
