@@ -7,6 +7,7 @@ window.probe = (() => {
 
   // Mean brightness of a received picture, 0 to 255.
   function brightness(bitmap) {
+    context.clearRect(0, 0, 64, 64);
     context.drawImage(bitmap, 0, 0, 64, 64);
     const { data } = context.getImageData(0, 0, 64, 64);
     let sum = 0;
@@ -126,7 +127,9 @@ window.probe = (() => {
     await visit((red, green, blue) => {
       lit++;
       const isGrey = Math.abs(red - green) < 4 && Math.abs(green - blue) < 4;
-      const isRamp = Math.max(red, green, blue) >= 100 && Math.min(red, green, blue) < 110 && !isGrey;
+      // One channel is full, or the only one.
+      const [, second, most] = [red, green, blue].sort((a, b) => a - b);
+      const isRamp = Math.abs(most - 230) < 6 || second < 20 && most > 150;
       if (isCoverage ? isGrey || green > 1.2 * blue : isRamp) right++;
     });
     return {
@@ -154,7 +157,7 @@ window.probe = (() => {
   };
 
   // Keys whose controls are visible.
-  probe.shownKeys = () => [...document.querySelectorAll('#keys .key')].filter(row => row.offsetParent !== null).map(row => row.dataset.key);
+  probe.shownKeys = () => [...document.querySelectorAll('#keys .key')].filter(row => row.checkVisibility()).map(row => row.dataset.key);
 
   // Keys that have no control, or one that is not visible, when all sections are open.
   probe.keysWithoutControl = async () => {

@@ -32,8 +32,9 @@ if (dome) {
     if (section) { section.open = true; section.scrollIntoView({ block: 'start', behavior: 'smooth' }); }
   };
   const held = new Map(), view = $('view');
-  let apart = 0;
-  view.onpointerdown = event => { held.set(event.pointerId, [event.clientX, event.clientY]); view.setPointerCapture(event.pointerId); apart = 0; };
+  // Each drag is a step of its own.
+  let apart = 0, number = 0;
+  view.onpointerdown = event => { held.set(event.pointerId, [event.clientX, event.clientY]); view.setPointerCapture(event.pointerId); apart = 0; number++; };
   view.onpointerup = view.onpointercancel = event => { held.delete(event.pointerId); apart = 0; };
   view.onpointermove = event => {
     const last = held.get(event.pointerId);
@@ -66,18 +67,18 @@ if (dome) {
     dome.draw();
   };
   // Value of a key, or what replaces it.
-  const numbersOf = key => valueOf(key) ?? (page.keys.find(one => one.key === key) || {}).default ?? 0;
-  const has = key => page.keys.some(one => one.key === key && one.type === 'number');
-  const give = (key, value, gesture) => {
+  const numbersOf = key => valueOf(key) ?? keyOf(key)?.default ?? 0;
+  const has = key => keyOf(key)?.type === 'number';
+  const give = (key, value) => {
     optimistic.set(key, value);
-    change(key, Array.isArray(value) ? `[${value.join(', ')}]` : String(value), null, gesture);
-    fillKey(page.keys.find(one => one.key === key));
+    change(key, Array.isArray(value) ? `[${value.join(', ')}]` : String(value), null, `drag ${number}`);
+    fillKey(keyOf(key));
     dome.draw();
   };
   // Turns to the right and upwards, in degrees.
-  const aim = (path, dx, dy, gesture) => {
+  const aim = (path, dx, dy) => {
     for (const [name, by] of [['yaw', dx], ['pitch', -dy]]) {
-      if (has(`${path}.${name}`) && by) give(`${path}.${name}`, tidy(numbersOf(`${path}.${name}`) + by, 0.01), gesture);
+      if (has(`${path}.${name}`) && by) give(`${path}.${name}`, tidy(numbersOf(`${path}.${name}`) + by, 0.01));
     }
   };
   // Moves a place seen from above, or up and down.
@@ -85,14 +86,14 @@ if (dome) {
     const [x, y, z] = numbersOf(key), yaw = dome.place === 'outside' ? dome.orbit.yaw : -dome.look.yaw;
     const by = 0.004 * dome.size * ($('fine').checked ? 0.1 : 1), [right, back] = [dx * by, dy * by];
     const moved = isUp ? [x, y - back, z] : [x + right * Math.cos(yaw) + back * Math.sin(yaw), y, z - right * Math.sin(yaw) + back * Math.cos(yaw)];
-    give(key, moved.map(v => tidy(v, 0.001)), `drag ${key}`);
+    give(key, moved.map(v => tidy(v, 0.001)));
   };
   const dragRig = (dx, dy, isUp) => {
     const output = `output.${dome.selected}`, degrees = $('fine').checked ? 0.01 : 0.1;
     if (drag === 'viewer') move('viewer.position', dx, dy, isUp);
-    else if (drag === 'panel') aim('overlay', dx * degrees, dy * degrees, 'drag overlay');
+    else if (drag === 'panel') aim('overlay', dx * degrees, dy * degrees);
     else if (!dome.selected) say('Select a projector first, by its name.');
-    else if (drag === 'aim') aim(output, dx * degrees, dy * degrees, `drag ${output}`);
+    else if (drag === 'aim') aim(output, dx * degrees, dy * degrees);
     else if (has(`${output}.position`)) move(`${output}.position`, dx, dy, isUp);
     else if (!waiting.size) say(`${dome.selected} has no place of its own.`);
   };

@@ -4,8 +4,19 @@
 const NAMES = { overlay: 'panel (flat drawing)', camera: "camera (the program's)", viewer: 'viewer', dome: 'dome', screen: 'screen', views: 'views', content: 'content', '': 'file' };
 const PARTS = [['right', 'up', 'back'], ['x', 'y', 'width', 'height']];
 const open = new Set(), shut = new Set();
-const inFile = key => shownValue(key) !== null;
-const shownValue = key => optimistic.has(key.key) ? optimistic.get(key.key) : key.toml ?? key.value;
+
+// A key by its name. The list of keys is a new one after each change of the rig.
+let named = { of: null, names: new Map() };
+function keyOf(name) {
+  if (named.of !== page.keys) named = { of: page.keys, names: new Map(page.keys.map(key => [key.key, key])) };
+  return named.names.get(name);
+}
+// The value that is shown; `null` if the file has none.
+function shownValue(name) {
+  const key = keyOf(name);
+  return optimistic.has(name) ? optimistic.get(name) : key ? key.toml ?? key.value : null;
+}
+const inFile = key => shownValue(key.key) !== null;
 
 // Names and keys of the sections. Outputs come first, and in them the keys that are often changed.
 function groups() {
@@ -78,7 +89,7 @@ function showSections() {
     const kind = keys.find(key => key.key === `${group}.kind` || key.key === `${group}.shape`);
     const isLacking = group && !keys.some(inFile);
     section.classList.toggle('lacking', Boolean(isLacking));
-    section.querySelector('small').textContent = isLacking ? 'not in the file' : kind && kind.words ? shownValue(kind) ?? '' : '';
+    section.querySelector('small').textContent = isLacking ? 'not in the file' : kind && kind.words ? shownValue(kind.key) ?? '' : '';
   }
 }
 
@@ -175,12 +186,12 @@ function numberInput(key, index, count, row) {
   };
   slider.oninput = () => send(Number(slider.value), `drag ${key.key}`);
   slider.onpointerdown = () => { held = true; };
-  slider.onchange = () => { held = false; fillKey(page.keys.find(k => k.key === key.key)); };
+  slider.onchange = () => { held = false; fillKey(keyOf(key.key)); };
   field.onchange = () => {
     if (field.value !== '') send(Number(field.value));
     // An empty field removes the key; a part of a list cannot be removed.
     else if (count === 1 && !field.validity.badInput) unset(key.key);
-    else fillKey(page.keys.find(one => one.key === key.key));
+    else fillKey(keyOf(key.key));
   };
   less.onclick = () => send(Number(slider.value) - step() * 4, `step ${key.key}`);
   more.onclick = () => send(Number(slider.value) + step() * 4, `step ${key.key}`);
@@ -204,12 +215,12 @@ const tidy = (value, step) => Number(value.toFixed(Math.min(6, Math.max(0, Math.
 const defaultOf = (key, index) => Array.isArray(key.default) ? key.default[index] : key.default;
 const startOf = (key, index) => defaultOf(key, index) ?? Math.min(Math.max(0, key.least ?? 0), key.greatest ?? 0);
 const optimistic = new Map();
-const valueOf = name => optimistic.has(name) ? optimistic.get(name) : (page.keys.find(key => key.key === name) || {}).value ?? null;
+const valueOf = name => optimistic.has(name) ? optimistic.get(name) : keyOf(name)?.value ?? null;
 
 function fillKey(key) {
   const found = key && rows.get(key.key);
   if (!found) return;
-  const value = shownValue(key);
+  const value = shownValue(key.key);
   found.row.classList.toggle('unset', value === null);
   found.drop.hidden = value === null;
   for (const input of found.inputs) input.show(value);
@@ -224,7 +235,7 @@ function change(key, value, row, gesture) {
   if (!sending) send();
 }
 function unset(key) {
-  const known = page.keys.find(one => one.key === key);
+  const known = keyOf(key);
   if (known && inFile(known)) change(key, null);
   else if (known) { accepted(key); fillKey(known); }
 }
@@ -238,7 +249,7 @@ async function send() {
   while (waiting.size) {
     const [[key, { value, gesture }]] = waiting;
     waiting.delete(key);
-    const found = rows.get(key), known = page.keys.find(one => one.key === key);
+    const found = rows.get(key), known = keyOf(key);
     const remove = value === null ? [key] : rivalsOf(known);
     try {
       take(await command({ do: 'set', changes: value === null ? [] : [`${key}=${value}`], remove, gesture: gesture || null }));
@@ -251,13 +262,13 @@ async function send() {
       accepted(key);
       if (!waiting.has(key)) {
         optimistic.delete(key);
-        for (const one of [key, ...remove]) fillKey(page.keys.find(known => known.key === one));
+        for (const one of [key, ...remove]) fillKey(keyOf(one));
       }
       showSections();
     } catch (error) {
       if (!waiting.has(key)) optimistic.delete(key);
       if (found) { found.wrong.textContent = error.message; found.row.classList.add('bad'); }
-      if (!found || found.row.offsetParent === null) say(error.message);
+      if (!found || !found.row.checkVisibility()) say(error.message);
     }
   }
   optimistic.clear();
