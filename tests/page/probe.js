@@ -226,7 +226,7 @@ window.probe = (() => {
 
   // Requests with random content. Only well-formed requests may be accepted.
   probe.fuzz = async count => {
-    const words = ['do', 'set', 'undo', 'pattern', 'start', 'rig', 'save', 'keys', 'state', 'changes', 'name', 'program', 'command', 'parts', 'at', 'step', 'only'];
+    const words = ['do', 'set', 'undo', 'pattern', 'start', 'rig', 'save', 'keys', 'state', 'changes', 'remove', 'name', 'program', 'command', 'parts', 'at', 'step', 'only'];
     const value = depth => one([() => null, () => random() * 1e9, () => one(words), () => '\u0000\ud800', () => -1, () => true, () => 'x'.repeat(3000 * random()),
       () => depth ? [value(depth - 1), value(depth - 1)] : [], () => depth ? Object.fromEntries([1, 2, 3].map(() => [one(words), value(depth - 1)])) : {}])();
     const statuses = {};

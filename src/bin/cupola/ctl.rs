@@ -260,6 +260,29 @@ mod tests {
     }
 
     #[test]
+    fn keys_are_set_and_removed() {
+        let request = |line: &[&str]| command(&Line::try_parse_from(line).expect("arguments").arguments.action);
+        let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
+        let set = Command::Set { changes: words(&["dome.tilt=3", "name=x"]), remove: Vec::new(), gesture: None };
+        assert_eq!(request(&["ctl", "set", "dome.tilt=3", "name=x"]), set);
+        let unset = Command::Set { changes: Vec::new(), remove: words(&["dome.tilt", "name"]), gesture: None };
+        assert_eq!(request(&["ctl", "unset", "dome.tilt", "name"]), unset);
+        assert!(Line::try_parse_from(["ctl", "unset"]).is_err());
+        // What an older client sends removes nothing.
+        let older = serde_json::from_str(r#"{ "do": "set", "changes": ["dome.tilt=3", "name=x"] }"#);
+        assert_eq!(older.ok(), Some(set));
+    }
+
+    #[test]
+    fn lists_are_shown_as_the_file_has_them() {
+        let key =
+            |toml: Value, value: Value| shown(&serde_json::json!({ "toml": toml, "value": value, "default": "power" }));
+        assert_eq!(key("{ red = 2 }".into(), Value::Null), "{ red = 2 }");
+        assert_eq!(key(Value::Null, Value::Null), "\"power\" (default)");
+        assert_eq!(key(Value::Null, 3.into()), "3");
+    }
+
+    #[test]
     fn json_is_accepted_before_and_after_the_action() {
         for line in [&["ctl", "--json", "keys"][..], &["ctl", "keys", "--json"], &["ctl", "pattern", "off", "--json"]] {
             let parsed = Line::try_parse_from(line).expect("arguments");

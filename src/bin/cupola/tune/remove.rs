@@ -54,8 +54,7 @@ fn without_path(text: &str, output: Option<usize>, path: &[&str]) -> Result<Opti
     }
     // An output is a table of its own, and stays.
     if table.len() == 1 && !parents.is_empty() {
-        let rest = cut(text, &ranges(table, last));
-        let rest = if is_inline { text.to_owned() } else { rest };
+        let rest = if is_inline { text.to_owned() } else { cut(text, &ranges(table, last)) };
         return without_path(&rest, output, parents).map(|shorter| Some(shorter.unwrap_or(rest)));
     }
     if !is_inline {
