@@ -252,6 +252,7 @@ fn print_state(state: &Value) {
 mod tests {
     use super::*;
     use clap::Parser;
+    use serde_json::json;
 
     #[derive(Parser)]
     struct Line {
@@ -275,8 +276,7 @@ mod tests {
 
     #[test]
     fn lists_are_shown_as_the_file_has_them() {
-        let key =
-            |toml: Value, value: Value| shown(&serde_json::json!({ "toml": toml, "value": value, "default": "power" }));
+        let key = |toml: Value, value: Value| shown(&json!({ "toml": toml, "value": value, "default": "power" }));
         assert_eq!(key("{ red = 2 }".into(), Value::Null), "{ red = 2 }");
         assert_eq!(key(Value::Null, Value::Null), "\"power\" (default)");
         assert_eq!(key(Value::Null, 3.into()), "3");
