@@ -73,13 +73,39 @@ click() {
 # click_at SELECTOR PART [touch]: clicks at a part of the element's width, or touches it there.
 click_at() {
     local element offset
-    element=$(driver POST element "$(jq --null-input --arg value "$1" '{ using: "css selector", value: $value }')" | jq '.[]')
+    element=$(element_of "$1")
     # shellcheck disable=SC2016 # JavaScript
     offset=$(in_page 'const box = document.querySelector(given[0]); box.scrollIntoView({ block: "center" });
         return Math.round((given[1] - 0.5) * (box.clientWidth - 2));' "$1" "$2")
     driver POST actions "{ \"actions\": [{ \"type\": \"pointer\", \"id\": \"pointer\", \"parameters\": { \"pointerType\": \"${3-mouse}\" }, \"actions\": [
         { \"type\": \"pointerMove\", \"duration\": 0, \"origin\": { \"element-6066-11e4-a52e-4f735466cecf\": $element }, \"x\": $offset, \"y\": 0 },
         { \"type\": \"pointerDown\", \"button\": 0 }, { \"type\": \"pointerUp\", \"button\": 0 }] }] }" >/dev/null
+}
+
+# element_of SELECTOR: prints the driver's reference of an element, as JSON.
+element_of() {
+    driver POST element "$(jq --null-input --arg value "$1" '{ using: "css selector", value: $value }')" | jq '.[]'
+}
+
+# type_in SELECTOR TEXT: replaces the text of a field by keys of the keyboard, and presses Enter.
+type_in() {
+    local element clear=$'\uE009a\uE009\uE017' enter=$'\uE007'
+    element=$(element_of "$1" | jq --raw-output .)
+    driver POST "element/$element/value" "$(jq --null-input --arg text "$clear$2$enter" '{ text: $text }')" >/dev/null
+}
+
+# drag_by SELECTOR X Y RIGHT DOWN [KEY]: presses the button of the mouse at X, Y from an element's middle, moves it in
+# four steps, and lets it go; with a key of the keyboard held.
+drag_by() {
+    local moves='' step keys=''
+    for step in 1 2 3 4; do
+        moves+=", { \"type\": \"pointerMove\", \"duration\": 30, \"origin\": \"pointer\", \"x\": $(($4 / 4)), \"y\": $(($5 / 4)) }"
+    done
+    [ -z "${6-}" ] || keys=", { \"type\": \"key\", \"id\": \"keys\", \"actions\": [{ \"type\": \"keyDown\", \"value\": \"$6\" }] }"
+    driver POST actions "{ \"actions\": [{ \"type\": \"pointer\", \"id\": \"pointer\", \"parameters\": { \"pointerType\": \"mouse\" }, \"actions\": [
+        { \"type\": \"pointerMove\", \"duration\": 0, \"origin\": { \"element-6066-11e4-a52e-4f735466cecf\": $(element_of "$1") }, \"x\": $2, \"y\": $3 },
+        { \"type\": \"pointerDown\", \"button\": 0 }$moves, { \"type\": \"pointerUp\", \"button\": 0 }] }$keys] }" >/dev/null
+    (driver DELETE actions) >/dev/null
 }
 
 # screenshot FILE

@@ -7,6 +7,7 @@ window.probe = (() => {
 
   // Mean brightness of a received picture, 0 to 255.
   function brightness(bitmap) {
+    context.clearRect(0, 0, 64, 64);
     context.drawImage(bitmap, 0, 0, 64, 64);
     const { data } = context.getImageData(0, 0, 64, 64);
     let sum = 0;
@@ -105,6 +106,75 @@ window.probe = (() => {
     return lit / (bytes.length / 4);
   };
 
+  // Colors of the painted dome's pixels, which the visitor gets one after the other. Projectors and lines are left out.
+  const visit = async visitor => {
+    const { dome } = page, { gl, canvas } = dome, [frusta, lines] = [dome.frusta, dome.lines];
+    [dome.frusta, dome.lines, dome.whole] = [false, false, true];
+    dome.paint();
+    const bytes = new Uint8Array(4 * canvas.width * canvas.height);
+    gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+    [dome.frusta, dome.lines] = [frusta, lines];
+    for (let i = 0; i < bytes.length; i += 4) if (Math.max(bytes[i], bytes[i + 1], bytes[i + 2]) > 10) visitor(bytes[i], bytes[i + 1], bytes[i + 2]);
+  };
+
+  // Values of the chosen overlay, and whether the painted dome has its colors.
+  probe.values = async () => {
+    const { values } = await (await ask(`/overlay?kind=${document.getElementById('overlay').value}`)).json();
+    const all = values.flat().filter(value => value !== null).sort((a, b) => a - b);
+    // Overlaps are grey and green; values go from blue to red. A picture of glxgears is neither.
+    let lit = 0, right = 0;
+    const isCoverage = page.dome.overlay === 'coverage';
+    await visit((red, green, blue) => {
+      lit++;
+      const isGrey = Math.abs(red - green) < 4 && Math.abs(green - blue) < 4;
+      // One channel is full, or the only one.
+      const [, second, most] = [red, green, blue].sort((a, b) => a - b);
+      const isRamp = Math.abs(most - 230) < 6 || second < 20 && most > 150;
+      if (isCoverage ? isGrey || green > 1.2 * blue : isRamp) right++;
+    });
+    return {
+      least: all[0], median: median(all), greatest: all[all.length - 1], different: [...new Set(all)].slice(0, 9),
+      legend: document.getElementById('legend').textContent, isPainted: page.dome.values !== null && lit > 1000 && right > 0.9 * lit,
+    };
+  };
+
+  // Part of the dome that is painted as without an error.
+  probe.errorFree = async () => {
+    let lit = 0, free = 0;
+    await visit((red, green, blue) => { lit++; if (red < 4 && green < 60 && blue > 100) free++; });
+    return free / lit;
+  };
+
+  // Number of pixels in the color of the selected projector and of the panel.
+  probe.marked = () => {
+    const { gl, canvas } = page.dome;
+    page.dome.paint();
+    const bytes = new Uint8Array(4 * canvas.width * canvas.height);
+    gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+    let marked = 0;
+    for (let i = 0; i < bytes.length; i += 4) if (bytes[i] > 200 && Math.abs(bytes[i + 1] - 0.72 * bytes[i]) < 20 && bytes[i + 2] < 0.4 * bytes[i]) marked++;
+    return marked;
+  };
+
+  // Keys whose controls are visible.
+  probe.shownKeys = () => [...document.querySelectorAll('#keys .key')].filter(row => row.checkVisibility()).map(row => row.dataset.key);
+
+  // Keys that have no control, or one that is not visible, when all sections are open.
+  probe.keysWithoutControl = async () => {
+    for (let round = 0; round < 3; round++) {
+      document.querySelectorAll('#keys details').forEach(section => { section.open = true; });
+      await sleep(200);
+    }
+    const shown = new Set(probe.shownKeys());
+    const found = (await command({ do: 'keys' })).map(key => key.key).filter(key => !shown.has(key));
+    document.querySelectorAll('#keys details').forEach(section => { section.open = false; });
+    await sleep(200);
+    return found;
+  };
+
+  // Names and brightness of the pictures in the tab of outputs.
+  probe.outputs = () => [...document.querySelectorAll('#outputs .output')].map(box => ({ name: box.dataset.name, mean: brightness(box.querySelector('canvas')) }));
+
   // Pseudo-random numbers that are the same in each run.
   let seed = 12345;
   const random = () => { seed = (Math.imul(seed, 1103515245) + 12345) >>> 0; return seed / 4294967296; };
@@ -156,7 +226,7 @@ window.probe = (() => {
 
   // Requests with random content. Only well-formed requests may be accepted.
   probe.fuzz = async count => {
-    const words = ['do', 'set', 'undo', 'pattern', 'start', 'rig', 'save', 'keys', 'state', 'changes', 'name', 'program', 'command', 'parts', 'at', 'step', 'only'];
+    const words = ['do', 'set', 'undo', 'pattern', 'start', 'rig', 'save', 'keys', 'state', 'changes', 'remove', 'name', 'program', 'command', 'parts', 'at', 'step', 'only'];
     const value = depth => one([() => null, () => random() * 1e9, () => one(words), () => '\u0000\ud800', () => -1, () => true, () => 'x'.repeat(3000 * random()),
       () => depth ? [value(depth - 1), value(depth - 1)] : [], () => depth ? Object.fromEntries([1, 2, 3].map(() => [one(words), value(depth - 1)])) : {}])();
     const statuses = {};

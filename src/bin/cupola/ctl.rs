@@ -45,6 +45,12 @@ enum Action {
         #[arg(required = true, value_name = "KEY=VALUE")]
         changes: Vec<String>,
     },
+    /// Remove keys, which then have their defaults: all of them or none
+    Unset {
+        /// For example viewer.yaw
+        #[arg(required = true)]
+        keys: Vec<String>,
+    },
     /// Undo the last change
     Undo,
     /// Redo the last undone change
@@ -171,7 +177,8 @@ fn command(action: &Action) -> Command {
         Action::Stats => Command::State {},
         Action::Keys => Command::Keys {},
         Action::Get { key } => Command::Get { key: key.clone() },
-        Action::Set { changes } => Command::Set { changes: changes.clone(), gesture: None },
+        Action::Set { changes } => Command::Set { changes: changes.clone(), remove: Vec::new(), gesture: None },
+        Action::Unset { keys } => Command::Set { changes: Vec::new(), remove: keys.clone(), gesture: None },
         Action::Undo => Command::Undo {},
         Action::Redo => Command::Redo {},
         Action::Save { replace } => Command::Save { replace: *replace },
@@ -193,10 +200,12 @@ fn command(action: &Action) -> Command {
 
 /// Text for the value of a key, or for a missing one.
 fn shown(key: &Value) -> String {
-    match (&key["value"], &key["default"]) {
-        (Value::Null, Value::Null) => "not set".to_owned(),
-        (Value::Null, default) => format!("{default} (default)"),
-        (value, _) => value.to_string(),
+    // Lists and tables are shown as the file has them.
+    match (key["toml"].as_str(), &key["value"], &key["default"]) {
+        (Some(text), ..) => text.to_owned(),
+        (None, Value::Null, Value::Null) => "not set".to_owned(),
+        (None, Value::Null, default) => format!("{default} (default)"),
+        (None, value, _) => value.to_string(),
     }
 }
 
@@ -205,7 +214,7 @@ fn print_key(key: &Value) {
         Some("number") => {
             format!("{} to {}, {}", key["least"], key["greatest"], key["what"].as_str().unwrap_or_default())
         }
-        Some("whole") => key["what"].as_str().unwrap_or_default().to_owned(),
+        Some("whole" | "text" | "value") => key["what"].as_str().unwrap_or_default().to_owned(),
         Some("word") => {
             let words = key["words"].as_array().into_iter().flatten().filter_map(Value::as_str);
             words.collect::<Vec<_>>().join(", ")
@@ -243,11 +252,34 @@ fn print_state(state: &Value) {
 mod tests {
     use super::*;
     use clap::Parser;
+    use serde_json::json;
 
     #[derive(Parser)]
     struct Line {
         #[command(flatten)]
         arguments: Arguments,
+    }
+
+    #[test]
+    fn keys_are_set_and_removed() {
+        let request = |line: &[&str]| command(&Line::try_parse_from(line).expect("arguments").arguments.action);
+        let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
+        let set = Command::Set { changes: words(&["dome.tilt=3", "name=x"]), remove: Vec::new(), gesture: None };
+        assert_eq!(request(&["ctl", "set", "dome.tilt=3", "name=x"]), set);
+        let unset = Command::Set { changes: Vec::new(), remove: words(&["dome.tilt", "name"]), gesture: None };
+        assert_eq!(request(&["ctl", "unset", "dome.tilt", "name"]), unset);
+        assert!(Line::try_parse_from(["ctl", "unset"]).is_err());
+        // What an older client sends removes nothing.
+        let older = serde_json::from_str(r#"{ "do": "set", "changes": ["dome.tilt=3", "name=x"] }"#);
+        assert_eq!(older.ok(), Some(set));
+    }
+
+    #[test]
+    fn lists_are_shown_as_the_file_has_them() {
+        let key = |toml: Value, value: Value| shown(&json!({ "toml": toml, "value": value, "default": "power" }));
+        assert_eq!(key("{ red = 2 }".into(), Value::Null), "{ red = 2 }");
+        assert_eq!(key(Value::Null, Value::Null), "\"power\" (default)");
+        assert_eq!(key(Value::Null, 3.into()), "3");
     }
 
     #[test]

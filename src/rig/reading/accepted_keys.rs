@@ -81,4 +81,19 @@ pub enum Accepts {
         /// The words.
         words: Vec<&'static str>,
     },
+    /// Text.
+    Text {
+        /// Description of the text.
+        what: String,
+    },
+    /// A value that the other kinds do not describe: a list, a table in braces, or one of several
+    /// kinds.
+    Value {
+        /// Words that are accepted too.
+        words: Vec<&'static str>,
+        /// Description of the value.
+        what: String,
+    },
+    /// A table. Its keys have their own paths.
+    Table,
 }

@@ -130,6 +130,7 @@ impl<'a> Section<'a> {
         allowed: &Allowed,
         problems: &mut Problems,
     ) -> Option<Vec<[f64; 2]>> {
+        self.note_value(key, &[], format!("[[…, …], …]: {}", allowed.what), problems);
         let value = self.value(key, problems)?;
         let path = self.path(key);
         let Some(array) = value.as_array() else {
@@ -168,6 +169,7 @@ impl<'a> Section<'a> {
         allowed: &Allowed,
         problems: &mut Problems,
     ) -> Option<Vec<DVec3>> {
+        self.note_value(key, &[], format!("1 to {most} of [x, y, z]: {}", allowed.what), problems);
         let value = self.value(key, problems)?;
         let path = self.path(key);
         let Some(list) = value.as_array().filter(|list| (1..=most).contains(&list.len())) else {

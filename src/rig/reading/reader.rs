@@ -42,6 +42,30 @@ impl<'a> Section<'a> {
         self.table.get(key).is_some_and(|value| value.get_ref().is_array())
     }
 
+    /// True if the value of `key` is this text.
+    pub(in crate::rig) fn is_text(&self, key: &str, text: &str) -> bool {
+        self.table.get(key).is_some_and(|value| value.get_ref().as_str() == Some(text))
+    }
+
+    /// Marks `key` as known, and stores its line. Its value is neither read nor recorded.
+    pub(in crate::rig) fn know(&mut self, key: &'static str, problems: &mut Problems) {
+        self.value(key, problems);
+    }
+
+    /// Records a key whose value no other kind describes. `words` are accepted too; the first one
+    /// replaces a missing key.
+    pub(in crate::rig) fn note_value(
+        &self,
+        key: &str,
+        words: &[&'static str],
+        what: impl Into<String>,
+        problems: &mut Problems,
+    ) {
+        let accepts = || Accepts::Value { words: words.to_vec(), what: what.into() };
+        let default = || words.first().map(|word| DefaultValue::Word(word));
+        problems.note_key(|| self.path(key), self.has(key), accepts, default);
+    }
+
     /// Value of `key`, if the file has it; its line is stored.
     pub(super) fn value(&mut self, key: &'static str, problems: &mut Problems) -> Option<&'a DeValue<'a>> {
         self.asked.insert(key);
@@ -62,6 +86,8 @@ impl<'a> Section<'a> {
 
     /// Reads text that may be absent.
     pub(in crate::rig) fn text(&mut self, key: &'static str, what: &str, problems: &mut Problems) -> Option<&'a str> {
+        let noted = || Accepts::Text { what: what.to_owned() };
+        problems.note_key(|| self.path(key), self.has(key), noted, || None);
         let value = self.value(key, problems)?;
         if value.as_str().is_none() {
             problems.add(&self.path(key), format!("{} is not text; expected {what} in quotes", describe(value)));
@@ -71,6 +97,7 @@ impl<'a> Section<'a> {
 
     /// Reads a machine: its number, or its name.
     pub(in crate::rig) fn node(&mut self, key: &'static str, problems: &mut Problems) -> Option<Node> {
+        self.note_value(key, &[], "the node's number, from 0, or its host name", problems);
         let value = self.value(key, problems)?;
         let number = value.as_integer().and_then(|i| u32::from_str_radix(i.as_str(), i.radix()).ok());
         let host = value.as_str().filter(|name| !name.is_empty());
@@ -164,6 +191,7 @@ impl<'a> Section<'a> {
 
     /// Reads a table in this one; `None` if the key is absent or wrong.
     pub(in crate::rig) fn section(&mut self, key: &'static str, problems: &mut Problems) -> Option<Section<'a>> {
+        problems.note_key(|| self.path(key), self.has(key), || Accepts::Table, || None);
         let value = self.value(key, problems)?;
         let table = value.as_table();
         if table.is_none() {

@@ -41,6 +41,7 @@ pub(super) fn blend(section: Option<Section>, kind: Kind, directory: &Path, prob
     let black = Allowed::below(0.0, 1.0, "light added to black, as a part of white");
     blend.black_level = section.number("black_level", &black, 0.0, problems);
     let example = "ramps = [{ angle = \"polar\", zero = 90, full = 80 }]";
+    section.note_value("ramps", &[], "[{ angle = \"polar\", zero = 90, full = 80 }, …]", problems);
     blend.ramps = section
         .sections("ramps", example, problems)
         .into_iter()

@@ -23,15 +23,17 @@ const SIDE: Allowed = Allowed::closed(
     WIDEST_PINHOLE / 2.0,
     "an angle in degrees from the lens axis, negative to the left and below",
 );
+const ANGLES: &str = "{ left = …, right = …, bottom = …, top = … } in degrees, in place of `fov`";
 const SHIFT: Allowed =
     Allowed::closed(-2.0, 2.0, "[right, up] as parts of the picture's width and height (0.5 = half a picture)");
 
 /// Reads the opening of a perspective output; `Some(None)` = the program's own.
 pub(super) fn perspective_frustum(section: &mut Section, problems: &mut Problems) -> Option<Option<Frustum>> {
+    let own = section.choice("lens", &[("program", ())], problems);
     if !section.has("lens") {
         return frustum(section, problems).map(Some);
     }
-    section.choice("lens", &[("program", ())], problems)?;
+    own?;
     let own: Vec<&str> = ["fov", "angles", "shift"].into_iter().filter(|key| section.has(key)).collect();
     if own.is_empty() {
         return Some(None);
@@ -45,6 +47,7 @@ pub(super) fn perspective_frustum(section: &mut Section, problems: &mut Problems
 pub(super) fn frustum(section: &mut Section, problems: &mut Problems) -> Option<Frustum> {
     let fov = section.numbers::<2>("fov", &FIELD_OF_VIEW, problems);
     let [right, up] = section.numbers_or("shift", &SHIFT, [0.0; 2], problems);
+    section.note_value("angles", &[], ANGLES, problems);
     let angles = section.section("angles", problems);
     let path = section.path("fov");
     match (section.has("fov"), angles) {
@@ -112,9 +115,10 @@ pub(super) fn projector_lens(section: &mut Section, problems: &mut Problems) -> 
     };
     // Reads the key, so that it is not reported as unknown as well.
     section.numbers::<2>("fov", &FIELD_OF_VIEW, problems);
-    section.numbers::<2>("shift", &SHIFT, problems);
+    section.note_value("angles", &[], ANGLES, problems);
     section.section("angles", problems);
-    keystone(section, problems);
+    section.know("shift", problems);
+    section.know("keystone", problems);
     for key in ["fov", "angles", "shift", "distortion", "keystone"] {
         if section.has(key) {
             problems.add(&section.path(key), "belongs to a pinhole; leave it out, or `fisheye`");
@@ -243,7 +247,7 @@ fn measured(section: &mut Section, problems: &mut Problems) -> Option<Arc<Curve>
     let allowed =
         Allowed::closed(0.0, 1e6, "an angle in degrees from the axis, or its radius in the picture in any unit");
     let Some(nodes) = section.number_pairs("measured", &allowed, problems) else {
-        if section.text("projection", "a word", problems) == Some("measured") && !section.has("measured") {
+        if section.is_text("projection", "measured") && !section.has("measured") {
             problems.add(&path, "is missing; expected [[angle, radius], …], angles in degrees from the axis");
         }
         return None;

@@ -13,6 +13,9 @@ const POINT: Allowed = Allowed::closed(0.0, 1e9, "a value from 0 up, or the ligh
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 const EXPECTED: &str =
     "expected two points or more, [[value, light], …], both growing, the first with the value 0, the last white";
+/// Forms of the key `transfer`.
+const FORMS: &str = "\"power\", \"srgb\", { red = …, green = …, blue = … }, { measured = [[value, light], …] } or \
+                     { file = \"response.csv\" }";
 /// Greatest length of a file of measurements, bytes.
 const LONGEST_FILE: u64 = 1 << 20;
 
@@ -24,6 +27,7 @@ enum Channel {
 
 /// Reads the response from `transfer` and, for a plain power, `gamma`.
 pub(super) fn transfer(section: &mut Section, directory: &Path, problems: &mut Problems) -> Transfer {
+    section.note_value("transfer", &["power", "srgb"], FORMS, problems);
     let transfer = if section.is_table("transfer") {
         let table = section.section("transfer", problems);
         table.map_or(Transfer::Power, |table| described(table, directory, problems))
@@ -51,6 +55,9 @@ fn described(mut section: Section, directory: &Path, problems: &mut Problems) ->
     }
     let missing: Vec<String> =
         CHANNELS.iter().filter(|key| by_channel && !section.has(key)).map(|key| section.path(key)).collect();
+    for key in CHANNELS {
+        section.note_value(key, &[], "an exponent, or points [[value, light], …]", problems);
+    }
     let channels = CHANNELS.map(|key| channel(&mut section, key, problems));
     // A misspelt channel is reported before the one that is missing because of it.
     section.finish(&[("gamma", "[output.blend]")], problems);

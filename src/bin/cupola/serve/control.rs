@@ -1,11 +1,12 @@
 //! Requests to the server, from the page, `cupola ctl` and OSC.
 
+use super::keys::keys;
 use super::marks::{Marks, NewMark};
 use super::pattern::{self, Choice};
 use super::picture::{Pictures, Seen, Versions};
 use super::program::{self, Launch, Program};
 use super::scene::Scene;
-use super::working::{Working, keys};
+use super::working::Working;
 use crate::launch::held::Request;
 use cupola::lock::Lock;
 use cupola::rig::{self, Rig};
@@ -27,10 +28,14 @@ pub enum Command {
         /// Key, for example `output.front.yaw`.
         key: String,
     },
-    /// Changes keys, all of them or none.
+    /// Changes and removes keys, all of them or none.
     Set {
         /// Changes in the form `KEY=VALUE`.
+        #[serde(default)]
         changes: Vec<String>,
+        /// Keys that are removed, before the changes.
+        #[serde(default)]
+        remove: Vec<String>,
         /// Consecutive changes with the same word are one step.
         #[serde(default)]
         gesture: Option<String>,
@@ -175,8 +180,8 @@ impl Server {
                     format!("{}: there is no key {key}; cupola ctl keys lists them", desk.working.name())
                 });
             }
-            Command::Set { changes, gesture } => {
-                desk.working.set(&changes, gesture.as_deref())?;
+            Command::Set { changes, remove, gesture } => {
+                desk.working.set(&changes, &remove, gesture.as_deref())?;
                 self.draw_again(&mut desk)?;
             }
             Command::Undo {} | Command::Redo {} => {
@@ -196,7 +201,7 @@ impl Server {
             }
             Command::Solve { parts } => {
                 let (changes, words) = desk.marks.solve(desk.working.rig(), desk.working.text(), &parts)?;
-                desk.working.set(&changes, None)?;
+                desk.working.set(&changes, &[], None)?;
                 self.draw_again(&mut desk)?;
                 let mut state = self.state(&mut desk);
                 state["solved"] = words.into();

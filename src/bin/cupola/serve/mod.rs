@@ -15,6 +15,7 @@ pub mod control;
 #[path = "../../../../fuzz/targets/serve.rs"]
 mod fuzzing;
 mod http;
+mod keys;
 mod marks;
 mod osc;
 pub mod pattern;
@@ -48,9 +49,12 @@ const PAGE: &str = concat!(
     "</style>\n",
     include_str!("page/body.html"),
     "<script nonce=\"cupola\">",
+    include_str!("page/shaders.js"),
     include_str!("page/dome.js"),
     include_str!("page/page.js"),
+    include_str!("page/keys.js"),
     include_str!("page/marks.js"),
+    include_str!("page/drags.js"),
     "</script>\n</html>\n",
 );
 /// Default port.

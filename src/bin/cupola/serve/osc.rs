@@ -96,7 +96,11 @@ pub(super) fn command(message: &OscMessage) -> Result<Command, String> {
         ["set", ref key @ ..] if !key.is_empty() && !words.is_empty() => {
             let value = if words.len() == 1 { words[0].clone() } else { format!("[{}]", words.join(", ")) };
             let key = key.join(".");
-            Command::Set { changes: vec![format!("{key}={value}")], gesture: Some(format!("osc {key}")) }
+            let gesture = Some(format!("osc {key}"));
+            Command::Set { changes: vec![format!("{key}={value}")], remove: Vec::new(), gesture }
+        }
+        ["unset", ref key @ ..] if !key.is_empty() => {
+            Command::Set { changes: Vec::new(), remove: vec![key.join(".")], gesture: None }
         }
         ["undo"] => Command::Undo {},
         ["redo"] => Command::Redo {},
@@ -143,6 +147,7 @@ mod tests {
     fn addresses_are_keys() {
         let set = |change: &str, key: &str| Command::Set {
             changes: vec![change.to_owned()],
+            remove: Vec::new(),
             gesture: Some(format!("osc {key}")),
         };
         let yaw = message("/cupola/set/output/front/yaw", vec![OscType::Float(12.1)]);
@@ -150,8 +155,12 @@ mod tests {
         let place =
             message("/cupola/set/viewer/position", vec![OscType::Int(0), OscType::Double(0.5), OscType::Int(1)]);
         assert_eq!(place, Ok(set("viewer.position=[0, 0.5, 1]", "viewer.position")));
+        let unset = Command::Set { changes: Vec::new(), remove: vec!["viewer.yaw".to_owned()], gesture: None };
+        assert_eq!(message("/cupola/unset/viewer/yaw", Vec::new()), Ok(unset));
         assert_eq!(message("/cupola/stop", Vec::new()), Ok(Command::Stop {}));
-        for wrong in ["/cupola/set", "/cupola/set/dome/radius", "/cupola/quit", "/other", "/cupola/rig", ""] {
+        for wrong in
+            ["/cupola/set", "/cupola/set/dome/radius", "/cupola/unset", "/cupola/quit", "/other", "/cupola/rig", ""]
+        {
             assert!(message(wrong, Vec::new()).is_err(), "{wrong}");
         }
         assert!(message("/cupola/set/dome/radius", vec![OscType::Nil]).is_err());

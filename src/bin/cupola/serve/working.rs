@@ -6,7 +6,6 @@
 use crate::tune;
 use cupola::rig::{self, Rig};
 use cupola::ring;
-use serde_json::Value as Json;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use toml_edit::{DocumentMut, Item, Value};
@@ -110,19 +109,14 @@ impl Working {
         (self.current, self.steps.len() - 1 - self.current)
     }
 
-    /// Keys of the rig, including those of its usual tables that the text lacks.
-    pub fn keys(&self) -> Vec<rig::Key> {
-        let text = with_usual_tables(self.text()).unwrap_or_else(|| self.text().to_owned());
-        rig::keys(&text, &self.name, &self.folder)
-    }
-
-    /// Applies changes such as `output.NAME.yaw=3`, all of them or none. Changes of the same
-    /// `gesture` (a drag) that follow each other are one step.
+    /// Removes keys and applies changes such as `output.NAME.yaw=3`, all of them or none. Changes of
+    /// the same `gesture` (a drag) that follow each other are one step.
     ///
     /// # Errors
     /// Message of the rig; then nothing is changed.
-    pub fn set(&mut self, changes: &[String], gesture: Option<&str>) -> Result<(), String> {
-        let text = tune::changed(self.text(), changes).map_err(|why| format!("{}: {why}", self.name))?;
+    pub fn set(&mut self, changes: &[String], remove: &[String], gesture: Option<&str>) -> Result<(), String> {
+        let text = tune::without(self.text(), remove).and_then(|text| tune::changed(&text, changes));
+        let text = text.map_err(|why| format!("{}: {why}", self.name))?;
         if text == self.text() {
             return Ok(());
         }
@@ -243,63 +237,6 @@ fn write_quickly(path: &Path, text: &str) -> std::io::Result<()> {
     std::fs::rename(next, path)
 }
 
-/// Text with the tables that every rig may have.
-fn with_usual_tables(text: &str) -> Option<String> {
-    let mut document: DocumentMut = text.parse().ok()?;
-    let empty = || Item::Table(toml_edit::Table::new());
-    for name in ["dome", "viewer", "camera", "overlay", "views"] {
-        document.entry(name).or_insert_with(empty);
-    }
-    for output in document.get_mut("output").and_then(Item::as_array_of_tables_mut)?.iter_mut() {
-        output.entry("blend").or_insert_with(empty);
-    }
-    Some(document.to_string())
-}
-
-/// Keys of a rig as `set` takes them, with their values.
-pub fn keys(working: &Working) -> Vec<Json> {
-    let names: Vec<&str> = working.rig().outputs.iter().map(|output| output.name.as_str()).collect();
-    let document: DocumentMut = working.text().parse().unwrap_or_default();
-    let described = working.keys().into_iter().filter_map(|key| {
-        let path = match key.path.strip_prefix("output[") {
-            Some(rest) => {
-                let (index, rest) = rest.split_once("].")?;
-                format!("output.{}.{rest}", names.get(index.parse::<usize>().ok()?)?)
-            }
-            None => key.path.clone(),
-        };
-        // Elements of lists have no path of their own.
-        let mut described = serde_json::to_value(&key).ok().filter(|_| !path.contains('['))?;
-        described["value"] = value(document.as_item(), &key.path).unwrap_or(Json::Null);
-        described["key"] = path.into();
-        described.as_object_mut()?.remove("path");
-        Some(described)
-    });
-    described.collect()
-}
-
-/// Value at a path such as `output[0].blend.ramp`.
-fn value(item: &Item, path: &str) -> Option<Json> {
-    let mut item = item;
-    for part in path.split('.') {
-        let (name, index) = part.strip_suffix(']').and_then(|part| part.split_once('[')).unwrap_or((part, ""));
-        item = item.get(name)?;
-        if !index.is_empty() {
-            item = item.get(index.parse::<usize>().ok()?)?;
-        }
-    }
-    json_of(item.as_value()?)
-}
-
-fn json_of(value: &Value) -> Option<Json> {
-    if let Some(list) = value.as_array() {
-        return Some(Json::Array(list.iter().filter_map(json_of).collect()));
-    }
-    let float = value.as_float().map(Json::from);
-    let whole = value.as_integer().map(Json::from);
-    float.or(whole).or(value.as_bool().map(Json::from)).or(value.as_str().map(Json::from))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -314,7 +251,7 @@ mod tests {
     }
 
     fn change(working: &mut Working, change: &str, gesture: Option<&str>) -> Result<(), String> {
-        working.set(&[change.to_owned()], gesture)
+        working.set(&[change.to_owned()], &[], gesture)
     }
 
     #[test]
@@ -371,15 +308,24 @@ mod tests {
     }
 
     #[test]
-    fn keys_are_those_of_all_usual_tables_with_their_ranges() {
+    fn a_removed_key_is_one_step_and_comes_back() {
         let scratch = Scratch::new().expect("a folder");
-        let keys = opened(&scratch).keys();
-        let find = |path: &str| keys.iter().find(|key| key.path == path).unwrap_or_else(|| panic!("{path}"));
-        let radius = serde_json::to_value(find("dome.radius")).expect("JSON");
-        assert_eq!((&radius["least"], &radius["greatest"], &radius["given"]), (&0.0.into(), &1e6.into(), &true.into()));
-        let ramp = serde_json::to_value(find("output[0].blend.ramp")).expect("JSON");
-        assert_eq!((&ramp["default"], &ramp["given"]), (&0.25.into(), &false.into()));
-        assert!(keys.len() > 30, "{}", keys.len());
-        assert!(keys.iter().all(|key| !key.path.contains("fisheye")));
+        let mut working = opened(&scratch);
+        working.set(&[], &["dome.radius".to_owned()], None).expect("valid");
+        assert_eq!(working.text(), RIG.replace("[dome]\nradius = 4.0 # wide", "# wide"));
+        assert_eq!(working.rig().dome.radius, 5.0);
+        working.step(false).expect("written");
+        assert_eq!((working.text(), working.rig().dome.radius), (RIG, 4.0));
+        // What the rig needs, or does not have, is not removed, and a change beside it is not made.
+        for key in ["output.all.kind", "dome.tilt", "output.none.eye"] {
+            assert!(working.set(&["dome.radius=7".to_owned()], &[key.to_owned()], None).is_err(), "{key}");
+        }
+        assert_eq!((working.text(), working.steps()), (RIG, (0, 1)));
+        // Removal and change together: neither of them is valid alone.
+        let other = ["output.all.kind=\"perspective\"", "output.all.fov=[90, 60]"].map(str::to_owned);
+        change(&mut working, "output.all.aperture=170", None).expect("valid");
+        assert!(working.set(&other, &[], None).is_err());
+        working.set(&other, &["output.all.aperture".to_owned()], None).expect("valid");
+        assert!(working.text().contains("perspective") && !working.text().contains("aperture"));
     }
 }

@@ -1,4 +1,4 @@
-// The page around the dome: keys of the rig, patterns, outputs, health.
+// The page around the dome: its state, pictures, patterns, outputs, health.
 'use strict';
 
 const $ = id => document.getElementById(id);
@@ -12,8 +12,6 @@ const element = (name, properties = {}, ...inside) => {
 // State for tests, and for people who look at it.
 const page = window.cupola = { frames: 0, state: null, keys: [], firstPicture: 0, lastFrame: 0, pictureVersion: null, sceneVersion: -1, edited: -1e9 };
 let dome = null;
-try { dome = new Dome($('view'), $('labels')); } catch (error) { say(error.message); }
-page.dome = dome;
 
 async function ask(path, options = {}) {
   const answer = await fetch(path, { ...options, headers: { 'X-Cupola-Token': token }, cache: 'no-store' });
@@ -34,6 +32,8 @@ function say(text, good = false) {
   silence = setTimeout(() => { $('message').textContent = ''; }, good ? 2500 : 9000);
 }
 $('message').onclick = () => { $('message').textContent = ''; };
+try { dome = new Dome($('view'), $('labels')); } catch (error) { say(error.message); }
+page.dome = dome;
 
 async function act(what) {
   try { take(await command(what)); return true; } catch (error) { say(error.message); return false; }
@@ -230,210 +230,6 @@ function showLegend(kind) {
   }
 }
 
-// ---- keys ----
-
-const NAMES = { overlay: 'panel (flat drawing)', camera: "camera (the program's)", viewer: 'viewer', dome: 'dome', screen: 'screen', views: 'views', content: 'content', '': 'file' };
-const PARTS = [['right', 'up', 'back'], ['x', 'y', 'width', 'height']];
-const open = new Set();
-
-function groups() {
-  const found = new Map(), order = key => key.startsWith('output.') ? 0 : 1;
-  // Keys that are rarely changed come last.
-  const last = /\.(size|window|eye|method|flip|name)$/, late = key => last.test(key) ? 1 : 0;
-  for (const key of [...page.keys].sort((a, b) => order(a.key) - order(b.key) || (order(a.key) ? 0 : outputRank(a.key) - outputRank(b.key) || late(a.key) - late(b.key)))) {
-    const parts = key.key.split('.');
-    const group = parts[0] === 'output' ? outputOf(key.key) : parts.length > 1 ? parts[0] : '';
-    if (!found.has(group)) found.set(group, []);
-    found.get(group).push(key);
-  }
-  return found;
-}
-const outputRank = key => page.state.rig.outputs.indexOf(outputOf(key).slice(7));
-// Names of outputs may contain dots.
-function outputOf(key) {
-  const name = page.state.rig.outputs.filter(name => key.startsWith(`output.${name}.`)).sort((a, b) => b.length - a.length)[0];
-  return `output.${name}`;
-}
-
-let shownKeys = '';
-function showKeys() {
-  const wanted = page.keys.map(key => `${key.key} ${key.type} ${key.count || ''} ${(key.words || []).join()}`).join('\n') + page.state.rig.name;
-  if (wanted === shownKeys) { page.keys.forEach(fillKey); return; }
-  shownKeys = wanted;
-  rows.clear();
-  const first = page.state.rig.outputs[0];
-  if (!open.size && first) { open.add(`output.${first}`); open.add('viewer'); open.add('camera'); }
-  if (dome && !page.state.rig.outputs.includes(dome.selected)) dome.selected = page.state.rig.outputs.length > 1 ? first : null;
-  const sections = [...groups()].map(([group, keys]) => {
-    const name = group.startsWith('output.') ? group.slice(7) : NAMES[group] ?? group;
-    const kind = keys.find(key => key.key === `${group}.kind`);
-    const section = element('details', { open: open.has(group) }, element('summary', {}, name, element('small', { textContent: kind ? kind.value : '' })));
-    section.dataset.group = group;
-    section.ontoggle = () => {
-      if (section.open) open.add(group); else open.delete(group);
-      if (section.open && group.startsWith('output.')) select(group.slice(7));
-      fillOpen(section, group, keys);
-    };
-    fillOpen(section, group, keys);
-    return section;
-  });
-  $('keys').replaceChildren(...sections);
-  mark();
-}
-
-function fillOpen(section, group, keys) {
-  if (!section.open || section.childElementCount > 1) return;
-  for (const key of keys) {
-    if (key.key.endsWith('.kind') || key.key === 'passthrough' || key.key.endsWith('.name') || key.key.endsWith('.shape') && group === 'screen') continue;
-    section.append(rowOf(key, group));
-  }
-  filter();
-}
-
-const rows = new Map();
-function rowOf(key, group) {
-  const name = group ? key.key.slice(group.length + 1) : key.key;
-  const row = element('div', { className: 'key' }, element('div', { className: 'name', title: key.what || '' }, element('span', { textContent: name }), element('small', { textContent: key.what || '' })));
-  const wrong = element('div', { className: 'wrong' });
-  const inputs = [];
-  row.dataset.key = key.key;
-  if (key.type === 'number' || key.type === 'whole') {
-    const count = key.type === 'whole' ? key.ranges.length : key.count || 1;
-    for (let i = 0; i < count; i++) inputs.push(numberInput(key, i, count, row));
-    row.append(...inputs.map(input => input.row));
-  } else {
-    const words = key.type === 'truth' ? ['true', 'false'] : key.words;
-    const choice = element('select', {}, element('option', { value: '', textContent: key.type === 'truth' ? `not set (${key.default})` : 'not set' }), ...words.map(word => element('option', { value: word, textContent: word })));
-    choice.onchange = () => { if (choice.value) change(key.key, key.type === 'truth' ? choice.value : JSON.stringify(choice.value), row); };
-    row.firstChild.append(choice);
-    inputs.push({ show: value => { choice.value = value === null ? '' : String(value); } });
-  }
-  row.append(wrong);
-  rows.set(key.key, { row, inputs, wrong });
-  fillKey(key);
-  return row;
-}
-
-// The range of a slider: the usual range, around the value if the allowed range is wide.
-function sliderRange(key, value, index) {
-  const [least, greatest] = key.type === 'whole' ? key.ranges[index] : [key.least, key.greatest];
-  const radius = page.scene ? page.scene.radius : 5;
-  let low = least, high = greatest;
-  if (least > 0 && greatest > 1000 * least) [low, high] = [Math.max(least, value / 10), Math.min(greatest, value * 10)];
-  else if (greatest - least > 1000) {
-    const reach = /metre/.test(key.what) ? 1.5 * radius : Math.max(10, 2 * Math.abs(value));
-    [low, high] = /\.size$|\.window$/.test(key.key) ? [least, Math.max(4096, value)] : [Math.max(least, -reach), Math.min(greatest, reach)];
-  } else if (greatest - least > 360) [low, high] = [-180, 180];
-  if ($('fine').checked) {
-    const span = (high - low) / 40;
-    [low, high] = [Math.max(least, value - span / 2), Math.min(greatest, value + span / 2)];
-  }
-  return [Math.min(low, value), Math.max(high, value)];
-}
-
-function numberInput(key, index, count, row) {
-  const isWhole = key.type === 'whole';
-  const slider = element('input', { type: 'range' }), field = element('input', { type: 'number', step: 'any' });
-  const less = element('button', { textContent: '−', tabIndex: -1 }), more = element('button', { textContent: '+', tabIndex: -1 });
-  const labels = PARTS.find(names => names.length === count) || [];
-  slider.setAttribute('aria-label', `${key.key} ${labels[index] || ''}`);
-  field.setAttribute('aria-label', slider.getAttribute('aria-label'));
-  let held = false;
-  const step = () => isWhole ? 1 : nice((slider.max - slider.min) / 1000);
-  const send = (value, gesture) => {
-    const now = valueOf(key.key), all = Array.isArray(now) ? [...now] : now === null || now === undefined ? Array.from({ length: count }, (_, i) => startOf(key, i)) : [now];
-    all[index] = isWhole ? Math.round(value) : tidy(value, step());
-    field.value = all[index];
-    const single = key.type === 'number' && !key.count;
-    change(key.key, single ? String(all[0]) : `[${all.join(', ')}]`, row, gesture);
-    optimistic.set(key.key, single ? all[0] : all);
-  };
-  slider.oninput = () => send(Number(slider.value), `drag ${key.key}`);
-  slider.onpointerdown = () => { held = true; };
-  slider.onchange = () => { held = false; fillKey(page.keys.find(k => k.key === key.key)); };
-  field.onchange = () => { if (field.value !== '') send(Number(field.value)); };
-  less.onclick = () => send(Number(slider.value) - step() * 4, `step ${key.key}`);
-  more.onclick = () => send(Number(slider.value) + step() * 4, `step ${key.key}`);
-  const made = element('div', { className: 'number', title: labels[index] || '' }, less, slider, more, field);
-  return {
-    row: made,
-    show: value => {
-      const one = Array.isArray(value) ? value[index] : value, at = one ?? startOf(key, index);
-      if (!held && document.activeElement !== slider) {
-        const [low, high] = sliderRange(key, at, index);
-        [slider.min, slider.max, slider.step] = [low, high, isWhole ? 1 : nice((high - low) / 4000)];
-      }
-      if (!held) slider.value = at;
-      if (document.activeElement !== field) { field.value = one === null || one === undefined ? '' : tidy(one, 1e-6); field.placeholder = defaultOf(key, index) ?? ''; }
-    },
-  };
-}
-
-const nice = value => Math.pow(10, Math.floor(Math.log10(value || 1)));
-const tidy = (value, step) => Number(value.toFixed(Math.min(6, Math.max(0, Math.ceil(-Math.log10(step)) + 1))));
-const defaultOf = (key, index) => Array.isArray(key.default) ? key.default[index] : key.default;
-const startOf = (key, index) => defaultOf(key, index) ?? Math.min(Math.max(0, key.least ?? 0), key.greatest ?? 0);
-const optimistic = new Map();
-const valueOf = name => optimistic.has(name) ? optimistic.get(name) : (page.keys.find(key => key.key === name) || {}).value ?? null;
-
-function fillKey(key) {
-  const found = key && rows.get(key.key);
-  if (!found) return;
-  const value = optimistic.has(key.key) ? optimistic.get(key.key) : key.value;
-  found.row.classList.toggle('unset', value === null);
-  for (const input of found.inputs) input.show(value);
-}
-
-// Changes are sent one after the other; those that come meanwhile are sent together.
-const waiting = new Map();
-let sending = false;
-function change(key, value, row, gesture) {
-  waiting.set(key, { value, row, gesture });
-  page.edited = performance.now();
-  if (!sending) send();
-}
-async function send() {
-  sending = true;
-  while (waiting.size) {
-    const [[key, { value, gesture }]] = waiting;
-    waiting.delete(key);
-    const found = rows.get(key);
-    try {
-      take(await command({ do: 'set', changes: [`${key}=${value}`], gesture: gesture || null }));
-      const known = page.keys.find(one => one.key === key);
-      // Values that TOML writes differently from JSON come with the keys.
-      try { if (known) known.value = JSON.parse(value); } catch { /* The value before is shown until then. */ }
-      if (found) { found.wrong.textContent = ''; found.row.classList.remove('bad'); }
-    } catch (error) {
-      optimistic.delete(key);
-      if (found) { found.wrong.textContent = error.message; found.row.classList.add('bad'); } else say(error.message);
-    }
-  }
-  optimistic.clear();
-  sending = false;
-}
-
-function filter() {
-  const word = $('find').value.trim().toLowerCase();
-  for (const section of $('keys').children) {
-    const matches = page.keys.filter(key => key.key.toLowerCase().includes(word)).some(key => key.key.startsWith(section.dataset.group));
-    section.style.display = !word || matches ? '' : 'none';
-    for (const row of section.querySelectorAll('.key')) row.style.display = !word || row.dataset.key.toLowerCase().includes(word) ? '' : 'none';
-  }
-}
-$('find').oninput = filter;
-$('fine').onchange = () => page.keys.forEach(fillKey);
-
-function select(name) {
-  if (dome) { dome.selected = name; dome.draw(); }
-  mark();
-}
-function mark() {
-  const name = dome && dome.selected;
-  for (const section of $('keys').children) section.classList.toggle('on', section.dataset.group === `output.${name}`);
-  for (const output of $('outputs').children) output.classList.toggle('on', output.dataset.name === name);
-}
-
 // ---- patterns ----
 
 const PATTERNS = { horizon: 'Azimuth and elevation', dome: 'Angles of the dome', border: 'Borders and names', overlap: 'Overlaps', seams: 'Seams', ramps: 'Grey and colour', focus: 'Focus', white: 'White' };
@@ -518,7 +314,7 @@ async function pictures() {
   }
 }
 
-// ---- buttons, keys and drags ----
+// ---- buttons and keys ----
 
 $('undo').onclick = () => act({ do: 'undo' });
 $('redo').onclick = () => act({ do: 'redo' });
@@ -541,82 +337,5 @@ $('one').onclick = () => act({ do: 'step' });
 document.addEventListener('keydown', event => {
   if (!(event.ctrlKey || event.metaKey)) return;
   const what = { z: event.shiftKey ? 'redo' : 'undo', y: 'redo', s: 'save' }[event.key.toLowerCase()];
-  if (what && !/number|search/.test(event.target.type)) { event.preventDefault(); $(what).click(); }
+  if (what && !/number|search|text/.test(event.target.type)) { event.preventDefault(); $(what).click(); }
 });
-
-function choose(group, chosen) { for (const button of group) button.classList.toggle('on', button === chosen); }
-for (const button of document.querySelectorAll('nav button')) {
-  button.onclick = () => {
-    choose(document.querySelectorAll('nav button'), button);
-    for (const tab of document.querySelectorAll('.tab')) tab.classList.toggle('on', tab.id === button.dataset.tab);
-    drawOutputs();
-    if (page.state) showHealth(page.state);
-  };
-}
-if (dome) {
-  const places = document.querySelectorAll('[data-place]'), drags = document.querySelectorAll('[data-drag]');
-  for (const button of places) button.onclick = () => { choose(places, button); dome.place = button.dataset.place; dome.draw(); };
-  let drag = 'look';
-  for (const button of drags) button.onclick = () => { choose(drags, button); drag = button.dataset.drag; };
-  $('seat').onchange = () => { dome.seat = $('seat').value; if (dome.overlay !== 'error') places[1].click(); dome.draw(); };
-  $('overlay').onchange = () => showOverlay().catch(error => say(error.message));
-  $('frusta').onchange = () => { dome.frusta = $('frusta').checked; dome.draw(); };
-  $('lines').onchange = () => { dome.lines = $('lines').checked; dome.draw(); };
-  $('labels').onclick = event => {
-    const name = event.target.textContent, section = [...$('keys').children].find(one => one.dataset.group === `output.${name}`);
-    select(name);
-    if (section) { section.open = true; section.scrollIntoView({ block: 'start', behavior: 'smooth' }); }
-  };
-  const held = new Map(), view = $('view');
-  let apart = 0;
-  view.onpointerdown = event => { held.set(event.pointerId, [event.clientX, event.clientY]); view.setPointerCapture(event.pointerId); apart = 0; };
-  view.onpointerup = view.onpointercancel = event => { held.delete(event.pointerId); apart = 0; };
-  view.onpointermove = event => {
-    const last = held.get(event.pointerId);
-    if (!last) return;
-    const [dx, dy] = [event.clientX - last[0], event.clientY - last[1]];
-    held.set(event.pointerId, [event.clientX, event.clientY]);
-    if (held.size === 2) {
-      const [a, b] = [...held.values()], now = Math.hypot(a[0] - b[0], a[1] - b[1]);
-      if (apart) zoom(apart / now);
-      apart = now;
-    } else if (drag !== 'look' && dome.selected) dragOutput(drag, dx, dy);
-    else turn(dx, dy);
-  };
-  view.onwheel = event => { event.preventDefault(); zoom(Math.exp(event.deltaY * 0.0012)); };
-  const clamp = (value, least, greatest) => Math.min(Math.max(value, least), greatest);
-  const turn = (dx, dy) => {
-    if (dome.place === 'outside') {
-      dome.orbit.yaw -= dx * 0.006;
-      dome.orbit.pitch = clamp(dome.orbit.pitch + dy * 0.006, -1.5, 1.5);
-    } else {
-      const speed = dome.look.fov / view.clientHeight;
-      dome.look.yaw -= dx * speed;
-      dome.look.pitch = clamp(dome.look.pitch + dy * speed, -1.5, 1.5);
-    }
-    dome.draw();
-  };
-  const zoom = factor => {
-    if (dome.place === 'outside') dome.orbit.distance = clamp(dome.orbit.distance * factor, 0.3, 12);
-    else dome.look.fov = clamp(dome.look.fov * factor, 0.1, 2.6);
-    dome.draw();
-  };
-  // The selected output follows the pointer: its direction, or its position seen from above.
-  const dragOutput = (how, dx, dy) => {
-    const path = `output.${dome.selected}`, has = key => page.keys.some(one => one.key === key && one.type === 'number');
-    const give = (key, value) => { optimistic.set(key, value); change(key, Array.isArray(value) ? `[${value.join(', ')}]` : String(value), null, `drag ${path}`); };
-    const factor = $('fine').checked ? 0.1 : 1;
-    if (how === 'aim') {
-      for (const [name, by] of [['yaw', dx * 0.1], ['pitch', -dy * 0.1]]) {
-        if (has(`${path}.${name}`) && by) give(`${path}.${name}`, tidy((valueOf(`${path}.${name}`) ?? 0) + by * factor, 0.01));
-      }
-    } else if (has(`${path}.position`)) {
-      const place = valueOf(`${path}.position`) || [0, 0, 0], by = 0.004 * dome.size * factor, { yaw } = dome.place === 'outside' ? dome.orbit : { yaw: -dome.look.yaw };
-      const right = dx * by, back = dy * by;
-      give(`${path}.position`, [place[0] + right * Math.cos(yaw) + back * Math.sin(yaw), place[1], place[2] - right * Math.sin(yaw) + back * Math.cos(yaw)].map(v => tidy(v, 0.001)));
-    } else if (!waiting.size) say(`${dome.selected} has no place of its own.`);
-  };
-}
-
-poll();
-pictures();

@@ -1,5 +1,7 @@
 //! `cupola tune`: changes keys of a rig file, also while a program runs with it.
 
+mod remove;
+
 use crate::failure::Failure;
 use cupola::rig;
 use std::io::Write;
@@ -24,8 +26,10 @@ pub struct Arguments {
     json: bool,
 }
 
+pub use remove::without;
+
 /// Keys that name files relative to the rig file.
-const FILES: [&str; 2] = ["file", "image"];
+pub const FILES: [&str; 2] = ["file", "image"];
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
@@ -77,14 +81,43 @@ pub fn changed(text: &str, changes: &[String]) -> Result<String, String> {
         let (key, value) = change.split_once('=').ok_or_else(|| {
             format!("{change:?} is not a change; expected KEY=VALUE, for example 'viewer.position=[0,0,1]'")
         })?;
-        let value: Value = value.trim().parse().unwrap_or_else(|_| Value::from(value.trim()));
-        let path: Vec<&str> = key.trim().split('.').collect();
-        match path[..] {
-            ["output", name, ref rest @ ..] if !rest.is_empty() => outputs(&mut document, name, rest, &value)?,
-            _ => set(document.as_table_mut(), &path, &value)?,
+        let value = value_of(value.trim()).map_err(|why| format!("{}: {why}", key.trim()))?;
+        match of_output(document.as_table(), key.trim()) {
+            Some((name, rest)) => outputs(&mut document, name, &rest, &value)?,
+            None => set(document.as_table_mut(), &key.trim().split('.').collect::<Vec<_>>(), &value)?,
         }
     }
     Ok(document.to_string())
+}
+
+/// A value as a rig file has it; text may lack its quotes.
+fn value_of(text: &str) -> Result<Value, String> {
+    match text.parse::<Value>() {
+        Ok(value) => Ok(value),
+        Err(error) if text.starts_with(['[', '{', '"', '\'']) => {
+            Err(format!("{text} is not valid TOML: {}", error.message().replace('\n', ", ")))
+        }
+        Err(_) => Ok(text.into()),
+    }
+}
+
+/// Name of an output, and the path in it; `None` if the key is of no output. Names may contain dots.
+fn of_output<'a>(document: &Table, key: &'a str) -> Option<(&'a str, Vec<&'a str>)> {
+    let key = key.strip_prefix("output.")?;
+    let all = document.get("output").and_then(Item::as_array_of_tables);
+    let names = all.into_iter().flatten().enumerate().map(|(index, output)| name_of(output, index));
+    let known = names.filter(|name| key.strip_prefix(name.as_str()).is_some_and(|rest| rest.starts_with('.')));
+    let length = known.map(|name| name.len()).max().or_else(|| key.find('.'))?;
+    Some((&key[..length], key[length + 1..].split('.').collect()))
+}
+
+/// Name of the output with this index, from 0: `output-1` if the first one has none.
+pub fn name_of_output(output: &Item, index: usize) -> String {
+    output.as_table_like().map_or(String::new(), |table| name_of(table, index))
+}
+
+fn name_of(output: &dyn TableLike, index: usize) -> String {
+    output.get("name").and_then(Item::as_str).map_or(format!("output-{}", index + 1), str::to_owned)
 }
 
 /// Sets a key of the output with this name (`output-N` for the N-th output without a name), or of
@@ -94,8 +127,7 @@ pub fn outputs(document: &mut DocumentMut, name: &str, path: &[&str], value: &Va
     let all = all.ok_or("there is no [[output]] in the file")?;
     let mut found = false;
     for (index, output) in all.iter_mut().enumerate() {
-        let own = output.get("name").and_then(Item::as_str).map_or(format!("output-{}", index + 1), str::to_owned);
-        if name == "*" || name == own {
+        if name == "*" || name == name_of(output, index) {
             set(output, path, value)?;
             found = true;
         }
@@ -165,8 +197,20 @@ mod tests {
     }
 
     #[test]
+    fn names_of_outputs_may_contain_dots() {
+        let text = RIG.replace("left", "left.up");
+        let found = changed(&text, &["output.left.up.blend.ramp=0.3".to_owned()]).expect("good");
+        assert_eq!(found, text.replace("ramp = 0.2", "ramp = 0.3"));
+        assert!(changed(&text, &["output.left.blend.ramp=0.3".to_owned()]).is_err());
+        let texts = tuned(&["output.left.node=beamer-1", "output.left.display=\":0.1\""]).expect("good");
+        assert!(texts.contains("node = \"beamer-1\"") && texts.contains("display = \":0.1\""), "{texts}");
+    }
+
+    #[test]
     fn what_is_not_there_is_refused() {
-        for bad in ["viewer.position", "output.right.eye=0", "viewer.position.x=1", "=3"] {
+        for bad in
+            ["viewer.position", "output.right.eye=0", "viewer.position.x=1", "=3", "views.cells=[[0, 1", "name='x"]
+        {
             assert!(tuned(&[bad]).is_err(), "{bad}");
         }
         assert!(changed("a = [", &["b=1".to_owned()]).is_err());
