@@ -60,7 +60,7 @@ impl Arguments {
 }
 
 /// Reads `AZIMUTH,ELEVATION`.
-fn direction(text: &str) -> Result<[f64; 2], String> {
+pub fn direction(text: &str) -> Result<[f64; 2], String> {
     let numbers = text.split_once(',').and_then(|(azimuth, elevation)| {
         let number = |text: &str| text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
         Some([number(azimuth)?, number(elevation)?])

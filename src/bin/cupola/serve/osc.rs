@@ -3,7 +3,9 @@
 
 use super::control::{Command, Server};
 use super::pattern::Choice;
+use crate::pattern::direction;
 use rosc::{OscMessage, OscPacket, OscType};
+use serde_json::Value;
 use std::net::{IpAddr, SocketAddr, UdpSocket};
 use std::os::unix::fs::MetadataExt;
 use std::sync::Arc;
@@ -27,13 +29,64 @@ pub fn serve(socket: UdpSocket, server: Arc<Server>) {
                 continue;
             }
             for message in messages(&bytes[..length]) {
-                let refused = command(&message).and_then(|command| server.run(command, false).map(drop)).err();
-                if let Some(why) = refused {
+                let asked = matches!(command(&message), Ok(Command::Get { .. }));
+                let answered = command(&message).and_then(|command| server.run(command, false));
+                if let Err(why) = &answered {
                     eprintln!("cupola: OSC {}: {why}", message.addr);
+                }
+                if asked {
+                    send(&socket, from, answer(&message.addr, answered));
                 }
             }
         }
     });
+}
+
+/// Answer to the question for a key: `/cupola/value/KEY` with its value or, if the file does not have it, with its default;
+/// `/cupola/refused/KEY` with the reason.
+fn answer(address: &str, answered: Result<Value, String>) -> OscMessage {
+    let key = address.strip_prefix("/cupola/get").unwrap_or_default();
+    match answered {
+        Ok(found) => {
+            let value = if found["value"].is_null() { &found["default"] } else { &found["value"] };
+            let args = value.as_array().map_or_else(|| vec![argument(value)], |all| all.iter().map(argument).collect());
+            OscMessage { addr: format!("/cupola/value{key}"), args }
+        }
+        Err(why) => OscMessage { addr: format!("/cupola/refused{key}"), args: vec![OscType::String(why)] },
+    }
+}
+
+/// A value as an argument. Numbers are floats, which all show controls read.
+fn argument(value: &Value) -> OscType {
+    match value {
+        Value::Number(number) => OscType::Float(number.as_f64().unwrap_or_default() as f32),
+        Value::Bool(value) => OscType::Bool(*value),
+        Value::String(text) => OscType::String(text.clone()),
+        Value::Null => OscType::Nil,
+        other => OscType::String(other.to_string()),
+    }
+}
+
+/// Sends an answer; who does not listen any more does not get it.
+fn send(socket: &UdpSocket, to: SocketAddr, message: OscMessage) {
+    if let Ok(bytes) = rosc::encoder::encode(&OscPacket::Message(message)) {
+        let _ = socket.send_to(&bytes, to);
+    }
+}
+
+/// Choice of a pattern: its parts, and `step=`, `only=` and `at=AZIMUTH,ELEVATION`.
+fn choice(words: Vec<String>) -> Result<Choice, String> {
+    let mut choice = Choice::default();
+    for word in words {
+        match word.split_once('=') {
+            None => choice.parts.push(word),
+            Some(("step", step)) => choice.step = Some(step.parse().map_err(|_| "step= lacks a number of degrees")?),
+            Some(("only", name)) => choice.only = Some(name.to_owned()),
+            Some(("at", place)) => choice.at.push(direction(place)?),
+            Some((other, _)) => return Err(format!("{other}= is not known; there are step=, only= and at=")),
+        }
+    }
+    Ok(choice)
 }
 
 /// Returns the messages of a packet; none if it is not understood, or nested too deeply.
@@ -106,7 +159,8 @@ pub(super) fn command(message: &OscMessage) -> Result<Command, String> {
         ["redo"] => Command::Redo {},
         ["save"] => Command::Save { replace: false },
         ["rig"] => Command::Rig { name: first().ok_or("the name of the rig is missing")?, replace: false },
-        ["pattern"] => Command::Pattern(Choice { parts: words, ..Choice::default() }),
+        ["get", ref key @ ..] if !key.is_empty() => Command::Get { key: key.join(".") },
+        ["pattern"] => Command::Pattern(choice(words)?),
         ["start"] => Command::Start { program: first(), command: None },
         ["stop"] => Command::Stop {},
         ["pause"] => Command::Pause {},
@@ -164,6 +218,38 @@ mod tests {
             assert!(message(wrong, Vec::new()).is_err(), "{wrong}");
         }
         assert!(message("/cupola/set/dome/radius", vec![OscType::Nil]).is_err());
+    }
+
+    #[test]
+    fn questions_are_answered() {
+        let key = || "output.front.yaw".to_owned();
+        assert_eq!(message("/cupola/get/output/front/yaw", Vec::new()), Ok(Command::Get { key: key() }));
+        assert!(message("/cupola/get", Vec::new()).is_err());
+        let answer = |value| answer("/cupola/get/output/front/yaw", value);
+        let told = answer(Ok(serde_json::json!({ "value": 12.5, "default": 0 })));
+        assert_eq!((told.addr.as_str(), told.args), ("/cupola/value/output/front/yaw", vec![OscType::Float(12.5)]));
+        let told = answer(Ok(serde_json::json!({ "value": null, "default": [1, 2] })));
+        assert_eq!(told.args, [OscType::Float(1.0), OscType::Float(2.0)]);
+        let told = answer(Err("no".to_owned()));
+        assert_eq!((told.addr.as_str(), told.args.len()), ("/cupola/refused/output/front/yaw", 1));
+    }
+
+    #[test]
+    fn patterns_have_options() {
+        let pattern = |words: &[&str]| {
+            message("/cupola/pattern", words.iter().map(|word| OscType::String((*word).to_owned())).collect())
+        };
+        let chosen = Choice {
+            parts: vec!["horizon".to_owned()],
+            step: Some(15.0),
+            only: Some("front".to_owned()),
+            at: vec![[45.0, 30.0]],
+            cursor: None,
+        };
+        assert_eq!(pattern(&["horizon", "step=15", "only=front", "at=45,30"]), Ok(Command::Pattern(chosen)));
+        for wrong in ["step=wide", "at=45", "size=3"] {
+            assert!(pattern(&[wrong]).is_err(), "{wrong}");
+        }
     }
 
     #[test]

@@ -55,7 +55,7 @@ impl Working {
             }
         };
         let folder = file.as_deref().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
-        let rig = rig::parse(&text, name, &folder).map_err(|error| error.message)?;
+        let rig = all_outputs(rig::parse(&text, name, &folder).map_err(|error| error.message)?);
         let mut working = Self {
             name: name.to_owned(),
             file,
@@ -196,7 +196,7 @@ impl Working {
     }
 
     fn parsed(&self, text: &str) -> Result<Rig, String> {
-        let rig = rig::parse(text, &self.name, &self.folder).map_err(|error| error.message)?;
+        let rig = all_outputs(rig::parse(text, &self.name, &self.folder).map_err(|error| error.message)?);
         if rig.passthrough != self.rig.passthrough {
             return Err(format!("{}: passthrough needs a new start of the program; change it in the file", self.name));
         }
@@ -229,6 +229,11 @@ impl Working {
     }
 }
 
+/// Rig with the outputs of other windows among its outputs: the page shows all.
+fn all_outputs(rig: Rig) -> Rig {
+    rig.with_all_outputs().into_owned()
+}
+
 /// Writes like [`tune::replace`], but without waiting for the disk: the file lives only as long as
 /// this process.
 fn write_quickly(path: &Path, text: &str) -> std::io::Result<()> {
@@ -248,6 +253,20 @@ mod tests {
         let file = scratch.path().join("dome.toml");
         std::fs::write(&file, RIG).expect("written");
         Working::open(file.to_str().expect("a path"), &scratch.path().join("working.toml")).expect("a rig")
+    }
+
+    #[test]
+    fn outputs_of_other_windows_are_among_the_outputs() {
+        let scratch = Scratch::new().expect("a folder");
+        let mut working = opened(&scratch);
+        let output = |name: &str| format!("\n[[output]]\nname = \"{name}\"\nkind = \"domemaster\"\nsize = [9, 9]\n");
+        let text = format!("{RIG}{}shown = false\n{}fullscreen = true\n", output("film"), output("second"));
+        std::fs::write(scratch.path().join("dome.toml"), text).expect("written");
+        working = Working::open(working.name(), &scratch.path().join("working.toml")).expect("a rig");
+        change(&mut working, "output.second.yaw=5", None).expect_err("no key of a domemaster");
+        change(&mut working, "output.second.size=[7, 7]", None).expect("valid");
+        let names = working.rig().outputs.iter().map(|output| (output.name.as_str(), output.size));
+        assert_eq!(names.collect::<Vec<_>>(), [("all", None), ("film", Some((9, 9))), ("second", Some((7, 7)))]);
     }
 
     fn change(working: &mut Working, change: &str, gesture: Option<&str>) -> Result<(), String> {
