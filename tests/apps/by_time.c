@@ -120,6 +120,18 @@ static void draw(app *a)
         glDrawArrays(GL_TRIANGLES, 0, 3);
         glDisableClientState(GL_VERTEX_ARRAY);
     }
+    if (a->mode && strcmp(a->mode, "vector") == 0 && a->frame >= 2) {
+        const GLfloat colour[3] = {counter() % 1000 * 1e-3f, 0, 0};
+        glColor3fv(colour);
+    }
+    if (a->mode && strcmp(a->mode, "light") == 0 && a->frame >= 2) {
+        const GLfloat place[4] = {0, counter() % 1000 * 1e-3f, 0, 1};
+        glLightfv(GL_LIGHT0, GL_POSITION, place);
+    }
+    if (a->mode && strcmp(a->mode, "layers") == 0 && a->frame >= 2) {
+        const GLuint pixels[2][2][2] = {{{1, 2}, {3, 4}}, {{5, 6}, {7, counter()}}};
+        glTexImage3D(GL_TEXTURE_3D, 0, GL_RGBA, 2, 2, 2, 0, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
+    }
     /* The driver chooses the names, and Cupola's objects exist by then. */
     if (a->mode && strcmp(a->mode, "late") == 0 && a->frame >= 2) {
         if (late == 0) {

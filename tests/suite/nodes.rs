@@ -89,8 +89,9 @@ fn with_their_own_clocks_nodes_differ() {
 fn a_program_that_reads_past_the_clock_is_named() {
     let nodes = ["node", "--local", "2", "--unpaced", PATIENT[0], PATIENT[1]];
     // The program reads the counter from its third frame on: for a matrix, a number in a shader, the
-    // text of a shader, the pixels of a texture, or vertices in its own memory.
-    for mode in ["counter", "uniform", "shader", "texture", "array"] {
+    // text of a shader, the pixels of a texture, vertices in its own memory, a colour, a lamp, or a texture of
+    // several layers.
+    for mode in ["counter", "uniform", "shader", "texture", "array", "vector", "light", "layers"] {
         let Some(nodes) = by_time(&rig(), mode, 6, &nodes) else { return };
         let words = "node 1 draws something else than the others in frame 3";
         assert!(nodes.words().contains(words), "{mode}: {}", nodes.words());

@@ -8,5 +8,6 @@
 pub mod getters;
 pub mod indexed_viewports;
 pub mod known_state;
+pub mod summed_state;
 pub mod wide_projection;
 pub mod window_state;

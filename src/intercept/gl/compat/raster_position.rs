@@ -5,11 +5,12 @@
 //! model-view matrix, and set again in each view before a draw at it.
 
 use crate::backend::gl::driver::api::{self, Gl};
-use crate::correct::LowerLeftRect;
+use crate::correct::{LowerLeftRect, Size};
 use crate::intercept::gl::compat::scene_position::{PlacedPosition, is_valid, move_by, raster_position};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
+use crate::intercept::gl::framebuffer::commands::summed_pixels;
 use crate::intercept::gl::framebuffer::reading::read_back;
 use crate::intercept::gl::framebuffer::target::enlarge::want_panel;
 use crate::intercept::gl::per_view::classify::classify;
@@ -298,8 +299,10 @@ macro_rules! raster_hooks {
             )*
             "glBitmap" bitmap(w: i32, h: i32, x: f32, y: f32, dx: f32, dy: f32, bits: *const u8) = |ctx, _gl|
                 raster_command(ctx, |gl| gl.bitmap(w, h, x, y, dx, dy, bits));
-            "glDrawPixels" draw_pixels(w: i32, h: i32, format: u32, kind: u32, pixels: *const c_void) = |ctx, _gl|
+            "glDrawPixels" draw_pixels(w: i32, h: i32, format: u32, kind: u32, pixels: *const c_void) = |ctx, _gl| {
+                summed_pixels::add(&ctx.driver, Size::new(w, h), (format, kind), pixels);
                 raster_command(ctx, |gl| gl.draw_pixels(w, h, format, kind, pixels));
+            };
             "glCopyPixels" copy_pixels(x: i32, y: i32, w: i32, h: i32, kind: u32) = |ctx, _gl|
                 list_recording::now_or_later(ctx, move |ctx| {
                     let [left, bottom] = if ctx.reads_redirected() { read_back::prepare(ctx, LowerLeftRect::new(x, y, w, h), kind == api::GL_COLOR) } else { [0, 0] };

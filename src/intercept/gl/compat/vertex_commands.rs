@@ -13,6 +13,7 @@ use crate::intercept::gl::state::compat::begin_end::Phase;
 use crate::intercept::gl::state::compat::vertex_commands::VertexCommand;
 use crate::intercept::gl::state::compat::vertex_recorder::{Number, Sets, add_vertex};
 use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::process::call_sum;
 
 /// Records a command of the program. Returns false if the driver must get the command too.
 #[inline]
@@ -50,11 +51,13 @@ fn note<T: Number>(
     compat.immediate.phase == Phase::Recording
 }
 
-/// Returns the program's array of `N` numbers.
+/// Returns the program's array of `N` numbers, and adds them to the checksum of the frame's calls.
 ///
 /// # Safety
 /// `v` points at `N` numbers.
 unsafe fn array<T: Copy, const N: usize>(v: *const T) -> [T; N] {
+    // SAFETY: as promised above.
+    unsafe { call_sum::add_values(v, N) };
     // SAFETY: as promised above; the array may be unaligned.
     std::array::from_fn(|i| unsafe { v.add(i).read_unaligned() })
 }
@@ -80,6 +83,8 @@ fn note_material<T: Number + Default>(
         return false;
     }
     let values: [T; 4] = std::array::from_fn(|i| if i < count { value(i) } else { T::default() });
+    // SAFETY: the array above.
+    unsafe { call_sum::add_values(values.as_ptr(), values.len()) };
     note(driver.gl, compat, lists, command, Sets::Material, &[face.into(), name.into()], &values)
 }
 

@@ -1,6 +1,6 @@
 //! The table of all hooks, by the names of their entry points.
 
-use crate::intercept::gl::app_state::{getters, indexed_viewports, known_state, window_state};
+use crate::intercept::gl::app_state::{getters, indexed_viewports, known_state, summed_state, window_state};
 use crate::intercept::gl::compat::{begin_end, display_lists, list_calls, matrices, raster_position, vertex_commands};
 use crate::intercept::gl::draw::{anisotropy, arrays, commands, compute, transform_feedback};
 use crate::intercept::gl::frame::front_buffer;
@@ -73,10 +73,10 @@ fn table() -> &'static HashMap<&'static str, usize> {
             read_back::HOOKS,
             window_answers::HOOKS,
         ];
-        let more = nodes::are_there().then_some(summed_uniforms::HOOKS);
+        let more = nodes::are_there().then_some([summed_uniforms::HOOKS, summed_state::HOOKS]);
         files
             .iter()
-            .chain(more.iter())
+            .chain(more.iter().flatten())
             .flat_map(|hooks| hooks.iter())
             .map(|hook| (hook.name, hook.address as usize))
             .collect()

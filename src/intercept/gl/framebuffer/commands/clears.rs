@@ -13,6 +13,7 @@ use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::per_view::culling::cleared_views;
 use crate::intercept::gl::per_view::panel::clear_panel;
 use crate::intercept::gl::per_view::window_space::own_window_space;
+use crate::intercept::process::call_sum;
 
 /// Runs a clear of the program in all tiles that it affects. Returns true if it affects every view.
 pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> bool {
@@ -114,16 +115,27 @@ pub fn clear_window(ctx: &mut Context, mask: u32) {
     }
 }
 
+/// Number of values that clear a buffer.
+fn values(buffer: u32) -> usize {
+    if buffer == api::GL_COLOR { 4 } else { 1 }
+}
+
 hooks! {
     "glClear" clear(mask: u32) = |ctx, _gl| {
         if ctx.compiling() { list_recording::record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::Clear(mask)) } else { clear_window(ctx, mask) }
     };
-    "glClearBufferfv" clear_bufferfv(buffer: u32, index: i32, value: *const f32) = |ctx, _gl|
+    "glClearBufferfv" clear_bufferfv(buffer: u32, index: i32, value: *const f32) = |ctx, _gl| {
+        call_sum::add_values(value, values(buffer));
         clear_by(ctx, Cleared::by_floats(buffer, index, value), buffer, value, move |gl, value| gl.clear_bufferfv(buffer, index, value));
-    "glClearBufferiv" clear_bufferiv(buffer: u32, index: i32, value: *const i32) = |ctx, _gl|
+    };
+    "glClearBufferiv" clear_bufferiv(buffer: u32, index: i32, value: *const i32) = |ctx, _gl| {
+        call_sum::add_values(value, values(buffer));
         clear_by(ctx, Cleared::by_integers(buffer, index, value), buffer, value, move |gl, value| gl.clear_bufferiv(buffer, index, value));
-    "glClearBufferuiv" clear_bufferuiv(buffer: u32, index: i32, value: *const u32) = |ctx, _gl|
+    };
+    "glClearBufferuiv" clear_bufferuiv(buffer: u32, index: i32, value: *const u32) = |ctx, _gl| {
+        call_sum::add_values(value, values(buffer));
         clear_by(ctx, Cleared::by_integers(buffer, index, value), buffer, value, move |gl, value| gl.clear_bufferuiv(buffer, index, value));
+    };
     "glClearBufferfi" clear_bufferfi(buffer: u32, index: i32, depth: f32, stencil: i32) = |ctx, _gl|
         list_recording::now_or_later(ctx, move |ctx| {
             let cleared = Cleared::by_pair(buffer, index, depth, stencil);

@@ -27,6 +27,23 @@ pub unsafe fn add(driver: &Driver, size: Size, (format, kind): (u32, u32), pixel
     }
 }
 
+/// Adds the layers of a picture, as [`add`] does. Nothing is added if layers lie apart.
+///
+/// # Safety
+/// As for [`add`], with all layers.
+pub unsafe fn add_layers(driver: &Driver, (size, layers): (Size, i32), format: (u32, u32), pixels: *const c_void) {
+    let apart = [api::GL_UNPACK_IMAGE_HEIGHT, api::GL_UNPACK_SKIP_IMAGES].into_iter().any(|name| {
+        let mut value = 0;
+        // SAFETY: writes one integer.
+        unsafe { driver.gl.get_integerv(name, &mut value) };
+        value != 0
+    });
+    if call_sum::is_on() && !apart {
+        // SAFETY: as promised.
+        unsafe { add(driver, Size::new(size.width, size.height.saturating_mul(layers)), format, pixels) };
+    }
+}
+
 /// Layout of a picture in memory, bytes.
 struct Rows {
     first: usize,

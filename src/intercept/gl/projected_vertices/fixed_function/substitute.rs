@@ -25,6 +25,7 @@ use crate::intercept::gl::state::projected_vertices::ProjectedVertices;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline::Pipeline;
 use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::programs::Program;
+use crate::intercept::process::call_sum;
 use crate::intercept::scene::obstacle::Obstacle;
 use std::sync::Arc;
 
@@ -144,6 +145,8 @@ pub fn switch(ctx: &mut Context, run: impl Fn(&Gl) + Send + Sync + 'static) {
 unsafe fn four<T: Copy + Default>(name: u32, values: *const T) -> [T; 4] {
     let many = [api::GL_OBJECT_PLANE, api::GL_EYE_PLANE, api::GL_FOG_COLOR, api::GL_LIGHT_MODEL_AMBIENT];
     let count = if many.contains(&name) { 4 } else { 1 };
+    // SAFETY: as promised.
+    unsafe { call_sum::add_values(values, count) };
     // SAFETY: as promised; the array may be unaligned.
     std::array::from_fn(|i| if i < count { unsafe { values.add(i).read_unaligned() } } else { T::default() })
 }
