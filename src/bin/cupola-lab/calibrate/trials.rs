@@ -98,7 +98,7 @@ impl Series {
 
 /// All series with `runs` runs for each noise.
 pub fn all(runs: u32) -> Result<Vec<Series>, Failure> {
-    let bar = terminal::progress(2 * NOISES.len() as u64 * u64::from(runs), "runs");
+    let bar = terminal::progress(3 * NOISES.len() as u64 * u64::from(runs), "runs");
     let series = |name: String, one: fn(&mut Point, &mut Random) -> Result<(), Failure>| {
         let point = |(number, noise): (usize, f64)| {
             let mut random = Random::new(1 + number as u64);
@@ -112,18 +112,18 @@ pub fn all(runs: u32) -> Result<Vec<Series>, Failure> {
         let points = NOISES.into_iter().enumerate().map(point).collect::<Result<_, Failure>>()?;
         Ok::<_, Failure>(Series { name, points })
     };
-    let both = vec![
+    let of_photograph = |free: &str| {
+        format!(
+            "photograph: {SIGHTINGS} sightings of each projector, {LANDMARKS} marks, one of {WRONG_EACH} wrong; {free} free"
+        )
+    };
+    let all = vec![
         series(format!("{MARKS} marks of each projector, one of {WRONG_EACH} wrong; pose and lens free"), by_marks)?,
-        series(
-            format!(
-                "photograph: {SIGHTINGS} sightings of each projector, {LANDMARKS} marks, one of {WRONG_EACH} wrong; \
-                 poses and the camera free"
-            ),
-            by_sightings,
-        )?,
+        series(of_photograph("poses and the camera"), |point, random| by_sightings(point, random, &[Part::Pose]))?,
+        series(of_photograph("poses, lenses and the camera"), |point, random| by_sightings(point, random, &LENS))?,
     ];
     bar.finish_and_clear();
-    Ok(both)
+    Ok(all)
 }
 
 /// Solves each output of a new rig from marks.
@@ -154,8 +154,8 @@ fn by_marks(point: &mut Point, random: &mut Random) -> Result<(), Failure> {
 }
 
 /// Solves all outputs of a new rig from a camera's sightings.
-fn by_sightings(point: &mut Point, random: &mut Random) -> Result<(), Failure> {
-    let world = World::new(random, &[Part::Pose])?;
+fn by_sightings(point: &mut Point, random: &mut Random, free: &[Part]) -> Result<(), Failure> {
+    let world = World::new(random, free)?;
     let camera = world::camera(random);
     let mut all = Observed { photograph: PHOTOGRAPH, ..Observed::default() };
     for output in 0..world.exact.outputs.len() {
@@ -175,14 +175,14 @@ fn by_sightings(point: &mut Point, random: &mut Random) -> Result<(), Failure> {
     let mut index = 0..;
     right.landmarks.retain(|_| index.next().is_some_and(|index| !is_wrong(index)));
     let sizes = vec![SIZE; world.exact.outputs.len()];
-    let limits = joint::limits(&world.exact, &sizes, &right, &camera, &[Part::Pose], point.noise)?;
+    let limits = joint::limits(&world.exact, &sizes, &right, &camera, free, point.noise)?;
     for (index, sighting) in all.sightings.iter_mut().enumerate() {
         sighting.seen += error(index, point.noise, random);
     }
     for (index, (seen, _)) in all.landmarks.iter_mut().enumerate() {
         *seen += error(index, point.noise, random);
     }
-    let (Ok(found), Some(limits)) = (joint::solve(&world.rough, &sizes, &all, &[Part::Pose]), limits) else {
+    let (Ok(found), Some(limits)) = (joint::solve(&world.rough, &sizes, &all, free), limits) else {
         point.refused += sizes.len() as u32;
         return Ok(());
     };
