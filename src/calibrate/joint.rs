@@ -291,6 +291,18 @@ impl Model for Joint<'_> {
         GROUPS
     }
 
+    /// A projector may be far from its place when all others fit.
+    fn set(&self, observation: usize) -> usize {
+        match self.all[observation] {
+            Observation::Seen { projector, .. } | Observation::Mark { projector, .. } => projector,
+            Observation::Landmark { .. } => 0,
+        }
+    }
+
+    fn sets(&self) -> usize {
+        self.projectors.len()
+    }
+
     fn is_held(&self, parameter: usize) -> bool {
         self.held.get(parameter).copied().unwrap_or(false)
     }

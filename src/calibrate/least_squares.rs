@@ -37,6 +37,15 @@ pub trait Model {
     fn groups(&self) -> usize {
         1
     }
+    /// Set of an observation, 0…[`Self::sets`]. A set has parameters of its own, so that it may be far from its place
+    /// when the other sets of its group fit already. More than half of each set is right.
+    fn set(&self, _observation: usize) -> usize {
+        0
+    }
+    /// Number of sets.
+    fn sets(&self) -> usize {
+        1
+    }
 }
 
 /// Parameters of a fit, and their quality.
@@ -115,19 +124,12 @@ pub fn roughly<M: Model>(model: &M, start: Vec<f64>) -> Fit {
 
 fn rounds<M: Model>(model: &M, start: Vec<f64>, rounds: usize) -> Fit {
     let mut parameters = start;
-    let mut scales = scales(model, &residuals(model, &parameters));
-    for _ in 0..rounds {
-        parameters = minimise(model, parameters, &Loss::Biweight(&scales), STEPS);
-        let next = self::scales(model, &residuals(model, &parameters));
-        // Scales only shrink, so that the rounds come to an end.
-        let next: Vec<f64> = next.iter().zip(&scales).map(|(next, scale)| next.min(*scale)).collect();
-        let settled = next.iter().zip(&scales).all(|(next, scale)| *next > 0.99 * scale);
-        scales = next;
-        if settled {
-            parameters = minimise(model, parameters, &Loss::Biweight(&scales), LAST_STEPS);
-            break;
-        }
+    // If the whole group determined the scale from the start, a set that is still far away would be left out as wrong.
+    if model.sets() > 1 {
+        (parameters, _) = with_scales(model, parameters, rounds, scales_of_sets);
     }
+    let (mut parameters, scales) = with_scales(model, parameters, rounds, scales);
+    parameters = minimise(model, parameters, &Loss::Biweight(&scales), LAST_STEPS);
     let residuals = residuals(model, &parameters);
     let loss = Loss::Biweight(&scales);
     let squared = |observation: usize| residuals[observation].map(DVec2::length_squared);
@@ -147,15 +149,54 @@ pub fn residuals<M: Model>(model: &M, parameters: &[f64]) -> Vec<Option<DVec2>> 
     (0..model.observations()).map(|observation| model.residual(&state, observation)).collect()
 }
 
+/// Parameters and scales after some rounds, or as soon as the scales change no more.
+fn with_scales<M: Model>(
+    model: &M,
+    start: Vec<f64>,
+    rounds: usize,
+    of: impl Fn(&M, &[Option<DVec2>]) -> Vec<f64>,
+) -> (Vec<f64>, Vec<f64>) {
+    let mut parameters = start;
+    let mut scales = of(model, &residuals(model, &parameters));
+    for _ in 0..rounds {
+        parameters = minimise(model, parameters, &Loss::Biweight(&scales), STEPS);
+        let next = of(model, &residuals(model, &parameters));
+        // Scales only shrink, so that the rounds come to an end.
+        let next: Vec<f64> = next.iter().zip(&scales).map(|(next, scale)| next.min(*scale)).collect();
+        let settled = next.iter().zip(&scales).all(|(next, scale)| *next > 0.99 * scale);
+        scales = next;
+        if settled {
+            break;
+        }
+    }
+    (parameters, scales)
+}
+
+/// Scale of each group: that of the set which is farthest from its place.
+fn scales_of_sets<M: Model>(model: &M, residuals: &[Option<DVec2>]) -> Vec<f64> {
+    let mut lengths = vec![Vec::new(); model.groups() * model.sets()];
+    for (observation, residual) in residuals.iter().enumerate() {
+        let place = model.group(observation) * model.sets() + model.set(observation);
+        lengths[place].push(residual.map_or(f64::INFINITY, DVec2::length));
+    }
+    let medians: Vec<f64> = lengths.iter_mut().map(|lengths| median(lengths)).collect();
+    let greatest = |sets: &[f64]| sets.iter().copied().fold(0.0, f64::max);
+    limited(medians.chunks_exact(model.sets()).map(greatest))
+}
+
+/// Scales from medians. No group has a smaller one than the first.
+fn limited(medians: impl Iterator<Item = f64>) -> Vec<f64> {
+    let scales: Vec<f64> = medians.map(|median| (median / MEDIAN_LENGTH).clamp(LEAST_SCALE, 1e9)).collect();
+    scales.iter().map(|scale| scale.max(scales[0])).collect()
+}
+
 /// Scale of each group, from the median of its residuals.
 fn scales<M: Model>(model: &M, residuals: &[Option<DVec2>]) -> Vec<f64> {
     let mut lengths = vec![Vec::new(); model.groups()];
     for (observation, residual) in residuals.iter().enumerate() {
         lengths[model.group(observation)].push(residual.map_or(f64::INFINITY, DVec2::length));
     }
-    let scale = |lengths: &mut Vec<f64>| (median(lengths) / MEDIAN_LENGTH).clamp(LEAST_SCALE, 1e9);
-    let scales: Vec<f64> = lengths.iter_mut().map(scale).collect();
-    scales.iter().map(|scale| scale.max(scales[0])).collect()
+    limited(lengths.iter_mut().map(|lengths| median(lengths)))
 }
 
 /// Median; 0 if there are no values.
@@ -282,4 +323,70 @@ fn damped(matrix: &Symmetric, damping: f64) -> Symmetric {
         damped.add(index, index, if own > 0.0 { damping * own } else { 1.0 });
     }
     damped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two sets of points with a place of their own each, and a tenth of them wrong.
+    struct Places {
+        seen: Vec<DVec2>,
+    }
+
+    const EACH: usize = 200;
+
+    impl Model for Places {
+        type State = Vec<f64>;
+
+        fn parameters(&self) -> usize {
+            4
+        }
+
+        fn observations(&self) -> usize {
+            self.seen.len()
+        }
+
+        fn state(&self, parameters: &[f64]) -> Self::State {
+            parameters.to_vec()
+        }
+
+        fn residual(&self, places: &Self::State, observation: usize) -> Option<DVec2> {
+            let set = self.set(observation);
+            Some(DVec2::new(places[2 * set], places[2 * set + 1]) - self.seen[observation])
+        }
+
+        fn depends(&self, observation: usize) -> impl Iterator<Item = usize> {
+            let set = self.set(observation);
+            2 * set..2 * set + 2
+        }
+
+        fn set(&self, observation: usize) -> usize {
+            usize::from(observation >= 4 * EACH)
+        }
+
+        fn sets(&self) -> usize {
+            2
+        }
+    }
+
+    /// The small set is a hundred scales away when the large one fits.
+    #[test]
+    fn a_set_that_is_far_away_is_found() {
+        let mut random = crate::testing::random::Random::new(91);
+        let places = [DVec2::new(0.001, 0.0), DVec2::new(1.0, -1.0)];
+        let of_set = |set: usize| if set == 0 { 4 * EACH } else { EACH };
+        let mut seen = Vec::new();
+        for (set, place) in places.iter().enumerate() {
+            for index in 0..of_set(set) {
+                let error = if index % 10 == 9 { 50.0 * random.gaussian() } else { 0.01 * random.gaussian() };
+                seen.push(*place + error);
+            }
+        }
+        let model = Places { seen };
+        let fit = robust(&model, vec![0.0; 4]);
+        let found = DVec2::new(fit.parameters[2], fit.parameters[3]);
+        assert!(found.distance(places[1]) < 0.005, "{found}");
+        assert_eq!(fit.used.iter().filter(|used| **used).count(), 5 * EACH * 9 / 10);
+    }
 }

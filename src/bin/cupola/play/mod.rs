@@ -19,8 +19,9 @@ const SHAPE: f64 = 0.02;
 #[derive(clap::Args)]
 #[command(after_help = "\
 Without --content, and if the rig has no [content], the shape of the picture decides: 1:1 is a domemaster, 2:1 an
-equirectangular picture, 6:1 the faces of a cube, everything else flat. The player is mpv; all arguments after FILE are
-passed to it. Any other player can be used with `cupola run --content KIND -- PLAYER FILE`.")]
+equirectangular picture, 6:1 the faces of a cube, everything else flat. The player is mpv; arguments after `--` are
+passed to it, as in `cupola play FILM -- --start=9`. Any other player can be used with `cupola run --content KIND --
+PLAYER FILE`.")]
 pub struct Arguments {
     #[command(flatten)]
     options: Options,
@@ -33,7 +34,7 @@ pub struct Arguments {
     /// Picture, folder or film
     #[arg(value_name = "FILE|FOLDER")]
     file: PathBuf,
-    /// More arguments of the player
+    /// More arguments of the player, after `--`
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "PLAYER ARGUMENT")]
     player: Vec<OsString>,
 }
