@@ -127,7 +127,7 @@ fn wrong_options_start_nothing() {
     std::fs::write(&rig, "[[output]]\nkind = \"domemaster\"\naperture = 400\n").unwrap();
     let rig = rig.to_str().unwrap();
     for (options, expected) in [
-        (&["--rig", rig][..], "rig.toml:3: output[0].aperture: 400 is out of range"),
+        (&["--rig", rig][..], "rig.toml:3: output[0].aperture (output-1): 400 is out of range"),
         (&["--rig", "fishey"], "did you mean the preset `fisheye`?"),
         (&["--camera", "zom=2"], "did you mean `zoom`?"),
         (&["--capture", "no/such/folder/a.png"], "the folder of this file does not exist"),

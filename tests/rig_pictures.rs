@@ -94,7 +94,7 @@ fn blacks() {
     for (black, line, key, words) in cases {
         let message = read(black).unwrap_err();
         assert!(
-            message.starts_with(&format!("rig.toml:{line}: output[0].{key}: ")) && message.contains(words),
+            message.starts_with(&format!("rig.toml:{line}: output[0].{key} (output-1): ")) && message.contains(words),
             "{message}"
         );
     }
@@ -115,6 +115,6 @@ fn flips() {
     assert_eq!(with("flip = \"both\""), flip(true, true));
     for (flip, words) in [("flip = \"horizontl\"", "did you mean \"horizontal\"?"), ("flip = true", "\"both\"")] {
         let message = with(flip).unwrap_err();
-        assert!(message.contains(":3: output[0].flip: ") && message.contains(words), "{message}");
+        assert!(message.contains(":3: output[0].flip (output-1): ") && message.contains(words), "{message}");
     }
 }

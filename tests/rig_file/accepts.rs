@@ -8,7 +8,12 @@ pub fn messages(rig: &str, key: &str, value: &str) -> Vec<String> {
     let others: Vec<&str> = rig.lines().filter(|line| line.split(" =").next() != Some(key)).collect();
     let text = others.join("\n").replace('@', &format!("{key} = {value}"));
     let rig = cupola::rig::parse(&text, "x", Path::new(""));
-    rig.err().map_or_else(Vec::new, |error| error.message.lines().map(str::to_owned).collect())
+    rig.err().map_or_else(Vec::new, |error| problems(&error.message))
+}
+
+/// Lines of a message, without the name of the output behind its key.
+pub fn problems(message: &str) -> Vec<String> {
+    message.lines().map(|line| line.replace(" (output-1)", "")).collect()
 }
 
 /// The keys that are possible at the mark of `rig`.

@@ -1,6 +1,6 @@
 //! What the reader takes for a missing key.
 
-use super::accepts::{messages, number};
+use super::accepts::{messages, number, problems};
 use cupola::rig::{DefaultValue, keys};
 use std::path::Path;
 
@@ -116,7 +116,7 @@ fn absent(rig: &str, key: &str) -> Option<String> {
     let text = lines.join("\n").replace('@', "");
     let missing = format!(" {path}: is missing");
     let refused = cupola::rig::parse(&text, "x", Path::new("")).err();
-    if refused.is_some_and(|error| error.message.lines().any(|line| line.contains(&missing))) {
+    if refused.is_some_and(|error| problems(&error.message).iter().any(|line| line.contains(&missing))) {
         return Some("required".to_owned());
     }
     let found = keys(&text, "x", Path::new("")).into_iter().find(|found| found.path == path)?;

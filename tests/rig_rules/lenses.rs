@@ -109,7 +109,7 @@ fn lenses_and_mirrors_that_cannot_be_are_refused() {
     ];
     for (lines, key, word) in bad {
         let message = read(&special(lines)).expect_err(lines);
-        assert!(message.contains(&format!(": {key}: ")) && message.contains(word), "{lines}: {message}");
+        assert!(message.contains(&format!(": {key} (output-1): ")) && message.contains(word), "{lines}: {message}");
         assert_eq!(message.lines().count(), 1, "{message}");
     }
 }
