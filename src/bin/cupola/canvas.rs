@@ -42,13 +42,15 @@ pub struct Canvas {
     pub width: usize,
     /// Height in pixels.
     pub height: usize,
+    /// True if text is written from right to left in mirrored letters.
+    pub mirrors_text: bool,
     pixels: Vec<Color>,
 }
 
 impl Canvas {
     /// A picture of one colour.
     pub fn new(width: usize, height: usize, color: Color) -> Self {
-        Self { width, height, pixels: vec![color; width * height] }
+        Self { width, height, mirrors_text: false, pixels: vec![color; width * height] }
     }
 
     /// Blends a colour over a pixel with opacity `part` (0…1). Does nothing outside the picture.
@@ -113,11 +115,13 @@ impl Canvas {
     /// out.
     pub fn text(&mut self, text: &str, x: i64, y: i64, letters: Letters, color: Color) {
         let advance = get_raster_width(FontWeight::Regular, letters.height()) as i64;
+        let last = x + text.chars().count() as i64 * advance - 1;
         for (letter, left) in text.chars().zip((0..).map(|index| x + index * advance)) {
             let Some(glyph) = get_raster(letter, FontWeight::Regular, letters.height()) else { continue };
             for (row, line) in (0..).zip(glyph.rows()) {
                 for (column, cover) in (0..).zip(line) {
-                    self.blend(left + column, y + row, color, f32::from(*cover) / 255.0);
+                    let across = if self.mirrors_text { last - (left - x + column) } else { left + column };
+                    self.blend(across, y + row, color, f32::from(*cover) / 255.0);
                 }
             }
         }

@@ -76,6 +76,7 @@ impl<'a> Pattern<'a> {
     pub fn draw(&self, index: usize) -> Canvas {
         let (width, height) = self.maps[index].size();
         let mut canvas = Canvas::new(width as usize, height as usize, [0.0; 3]);
+        canvas.mirrors_text = self.is_mirrored(index);
         let needs_directions = self.parts.iter().any(|part| matches!(part, Part::Horizon | Part::Dome));
         let directions = if needs_directions || !self.crosses.is_empty() { self.directions(index) } else { Vec::new() };
         for part in self.parts {
@@ -108,6 +109,19 @@ impl<'a> Pattern<'a> {
             OutputKind::Perspective { .. } => Some(map.viewer().rotation * map.direction(pixel)?),
             _ => map.hit(pixel)?.try_normalize(),
         }
+    }
+
+    /// True if the viewer sees the picture mirrored: by way of a mirror, or through a screen that is lit from behind.
+    fn is_mirrored(&self, index: usize) -> bool {
+        let (width, height) = self.maps[index].size();
+        let turn = |part: (u32, u32)| -> Option<f64> {
+            let at = DVec2::new(f64::from(width * part.0) / 4.0, f64::from(height * part.1) / 4.0);
+            let [here, right, below] = [DVec2::ZERO, DVec2::X, DVec2::Y].map(|step| self.direction(index, at + step));
+            let here = here?;
+            Some(here.dot((right? - here).cross(below? - here)))
+        };
+        let places = (1..4).flat_map(|y| (1..4).map(move |x| (x, y)));
+        places.filter_map(turn).map(f64::signum).sum::<f64>() < 0.0
     }
 
     /// Directions of all pixels and of one more column and row, row by row.
@@ -331,6 +345,31 @@ mod tests {
         assert!(
             (at.x - 720.0 * (0.5 + 12.0 / 360.0)).abs() < 1e-6 && (at.y - 360.0 * (0.5 - 34.0 / 180.0)).abs() < 1e-6
         );
+    }
+
+    /// The viewer of a mirror dome reads the labels, as those of all others do.
+    #[test]
+    fn text_is_mirrored_where_the_viewer_sees_it_in_a_mirror() {
+        let mirrored = |name: &str| {
+            let rig = cupola::rig::load(name).expect("a preset");
+            let sizes = vec![(192, 108); rig.outputs.len()];
+            let pattern = Pattern::new(&rig, &sizes, &[], 10.0, &[]).expect("a pattern");
+            (0..rig.outputs.len()).map(|index| pattern.is_mirrored(index)).collect::<Vec<_>>()
+        };
+        assert_eq!(mirrored("idome"), [true]);
+        assert_eq!(mirrored("planetarium-6"), [false; 6]);
+        assert_eq!(mirrored("fisheye"), [false]);
+        let letters = |mirrors_text: bool| {
+            let mut canvas = Canvas::new(20, 20, [0.0; 3]);
+            canvas.mirrors_text = mirrors_text;
+            canvas.text("F", 2, 2, Letters::Small, WHITE);
+            (0..20).map(|x| (0..20).map(|y| canvas.at(x, y)[0]).sum::<f32>()).collect::<Vec<f32>>()
+        };
+        let inked = |mirrors: bool| letters(mirrors).into_iter().filter(|sum| *sum > 0.0).collect::<Vec<f32>>();
+        let (plain, mut other) = (inked(false), inked(true));
+        assert_ne!(plain, other);
+        other.reverse();
+        assert_eq!(plain, other);
     }
 
     #[test]
