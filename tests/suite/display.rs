@@ -10,7 +10,9 @@ use std::sync::{Condvar, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 use x11rb::connection::Connection;
 use x11rb::protocol::randr::{ConnectionExt as _, MonitorInfo};
-use x11rb::protocol::xproto::{ConnectionExt as _, ImageFormat, KEY_PRESS_EVENT, KEY_RELEASE_EVENT};
+use x11rb::protocol::xproto::{
+    ConnectionExt as _, CreateWindowAux, ImageFormat, KEY_PRESS_EVENT, KEY_RELEASE_EVENT, WindowClass,
+};
 use x11rb::protocol::xtest::ConnectionExt as _;
 
 /// A private X server: the name of its display, and the connection that keeps it running.
@@ -65,6 +67,19 @@ impl Display {
             ..MonitorInfo::default()
         };
         connection.randr_set_monitor(root, monitor).expect("sent").check().expect("a monitor");
+    }
+
+    /// Covers a part of the screen with a window for a moment.
+    pub fn cover(&self, (x, y): (u16, u16), (width, height): (u32, u32)) {
+        let (connection, root) = self.connect();
+        let window = connection.generate_id().expect("a number");
+        let looks = CreateWindowAux::new().override_redirect(1).background_pixel(0xff_00ff);
+        let (x, y, width, height) = (x as i16, y as i16, width as u16, height as u16);
+        let kind = WindowClass::INPUT_OUTPUT;
+        let made = connection.create_window(0, window, root, x, y, width, height, 0, kind, 0, &looks);
+        made.expect("sent").check().expect("a window");
+        connection.map_window(window).expect("sent").check().expect("it is shown");
+        connection.destroy_window(window).expect("sent").check().expect("it is gone");
     }
 
     /// Presses and releases a key, for the window that has the keyboard.

@@ -182,17 +182,22 @@ fn patterns_are_shown_on_all_screens_until_a_key_is_pressed() {
     let mut shown = start(command.stderr(Stdio::piped()));
     let picture = |name: &str| image::open(folder.join(name)).expect("a picture").into_rgb8();
     let file = |output: usize| format!("{}.png", outputs[output].name);
-    let begin = Instant::now();
     let is_shown = || {
         folder.join("window.png").exists()
             && first.pixels((3 * SIZE.0, SIZE.1)).into_flattened() == picture("window.png").into_raw()
             && pixels(&other) == picture(&file(5)).into_raw()
             && other.pixels_at(MONITOR, SIZE).into_flattened() == picture(&file(3)).into_raw()
     };
-    while !is_shown() {
-        assert!(begin.elapsed() < Duration::from_secs(40), "the patterns are not shown");
-        std::thread::sleep(Duration::from_millis(50));
-    }
+    let wait = |what: &str| {
+        let begin = Instant::now();
+        while !is_shown() {
+            assert!(begin.elapsed() < Duration::from_secs(40), "{what}");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    };
+    wait("the patterns are not shown");
+    other.cover((0, 0), SIZE);
+    wait("what another window has covered is not shown again");
     // Control: pictures of projectors differ, and the output that is not shown has a picture in its file only.
     assert_ne!(picture(&file(5)), picture(&file(3)));
     assert_eq!(picture(&file(4)).dimensions(), SIZE);

@@ -43,6 +43,11 @@ fn meant(line: &str) -> Option<String> {
     }
     let Some((key, value)) = line.split_once('=') else {
         let (key, value) = line.split_once(':')?;
+        let is_key =
+            |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c));
+        if !is_key(key.trim()) || value.trim().is_empty() {
+            return None;
+        }
         return Some(format!("a key and its value are joined by `=`: {} = {}", key.trim(), value.trim()));
     };
     let (key, value) = (key.trim(), value.split('#').next().unwrap_or_default().trim());

@@ -160,18 +160,25 @@ fn show(rig: &Rig, pictures: &[Canvas], window: &Canvas) -> Result<(), Failure> 
         eprintln!("cupola: {} is not shown: it has shown = false; -o writes its picture", output.name);
     }
     let mut screens = Screen::open(rig, 0..rig.outputs.len(), None)?;
-    for screen in &mut screens {
+    let put = |screen: &mut Screen| {
         let picture = screen.output.map_or(window, |output| &pictures[output]);
         let rgba: Vec<u8> =
             picture.bytes().chunks_exact(3).flat_map(|pixel| [pixel[0], pixel[1], pixel[2], u8::MAX]).collect();
-        screen.show((picture.width as u32, picture.height as u32), &rgba)?;
+        screen.show((picture.width as u32, picture.height as u32), &rgba)
+    };
+    for screen in &mut screens {
+        put(screen)?;
         screen.take_keyboard()?;
     }
     eprintln!("cupola: press any key, or click, to close the patterns");
     loop {
-        for screen in &screens {
-            if screen.is_closed()? {
+        for screen in &mut screens {
+            let heard = screen.heard()?;
+            if heard.is_pressed {
                 return Ok(());
+            }
+            if heard.is_uncovered {
+                put(screen)?;
             }
         }
         std::thread::sleep(LOOK);

@@ -47,6 +47,10 @@ pub fn serve(socket: UdpSocket, server: Arc<Server>) {
 fn answer(address: &str, answered: Result<Value, String>) -> OscMessage {
     let key = address.strip_prefix("/cupola/get").unwrap_or_default();
     match answered {
+        // Tables and lists of tables have no other form than their text.
+        Ok(found) if found["toml"].is_string() => {
+            OscMessage { addr: format!("/cupola/value{key}"), args: vec![argument(&found["toml"])] }
+        }
         Ok(found) => {
             let value = if found["value"].is_null() { &found["default"] } else { &found["value"] };
             let args = value.as_array().map_or_else(|| vec![argument(value)], |all| all.iter().map(argument).collect());
@@ -230,6 +234,9 @@ mod tests {
         assert_eq!((told.addr.as_str(), told.args), ("/cupola/value/output/front/yaw", vec![OscType::Float(12.5)]));
         let told = answer(Ok(serde_json::json!({ "value": null, "default": [1, 2] })));
         assert_eq!(told.args, [OscType::Float(1.0), OscType::Float(2.0)]);
+        let text = "{ file = \"a.csv\" }";
+        let told = answer(Ok(serde_json::json!({ "toml": text, "value": null, "default": "power" })));
+        assert_eq!(told.args, [OscType::String(text.to_owned())]);
         let told = answer(Err("no".to_owned()));
         assert_eq!((told.addr.as_str(), told.args.len()), ("/cupola/refused/output/front/yaw", 1));
     }

@@ -25,6 +25,15 @@ pub enum Filled {
     Monitor(String),
 }
 
+/// What happened to a window.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Heard {
+    /// True if a key or a button of the mouse was pressed in it.
+    pub is_pressed: bool,
+    /// True if a part of its picture was lost, because another window covered it.
+    pub is_uncovered: bool,
+}
+
 /// A window on an X screen, which opens with the first picture and closes with this value.
 pub struct Presenter {
     connection: RustConnection,
@@ -194,23 +203,25 @@ impl Presenter {
     pub fn take_keyboard(&self) -> Result<(), Failure> {
         let Some(Window { window, .. }) = self.window else { return Ok(()) };
         let take = || -> Result<(), x11rb::errors::ReplyError> {
-            let heard = ChangeWindowAttributesAux::new().event_mask(EventMask::KEY_PRESS | EventMask::BUTTON_PRESS);
+            let heard = ChangeWindowAttributesAux::new()
+                .event_mask(EventMask::KEY_PRESS | EventMask::BUTTON_PRESS | EventMask::EXPOSURE);
             self.connection.change_window_attributes(window, &heard)?.check()?;
             self.connection.set_input_focus(InputFocus::POINTER_ROOT, window, x11rb::CURRENT_TIME)?.check()
         };
         take().map_err(|error| failed(&self.name)(&error))
     }
 
-    /// True if a key or a button of the mouse was pressed since the last call.
+    /// What happened to the window since the last call.
     ///
     /// # Errors
     /// The X server is gone.
-    pub fn is_pressed(&self) -> Result<bool, Failure> {
-        let mut is_pressed = false;
+    pub fn heard(&self) -> Result<Heard, Failure> {
+        let mut heard = Heard::default();
         while let Some(event) = self.connection.poll_for_event().map_err(|error| failed(&self.name)(&error))? {
-            is_pressed |= matches!(event, Event::KeyPress(_) | Event::ButtonPress(_));
+            heard.is_pressed |= matches!(event, Event::KeyPress(_) | Event::ButtonPress(_));
+            heard.is_uncovered |= matches!(event, Event::Expose(_));
         }
-        Ok(is_pressed)
+        Ok(heard)
     }
 
     /// Waits until the screen has executed all requests.

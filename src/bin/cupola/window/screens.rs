@@ -1,7 +1,7 @@
 //! Screens on which the outputs of a rig are seen: the window that they share, and windows of their
 //! own. For pictures that Cupola makes itself, without a program.
 
-use super::presenter::{Filled, Presenter};
+use super::presenter::{Filled, Heard, Presenter};
 use crate::failure::Failure;
 use cupola::rig::{Output, OwnWindow, Rig};
 
@@ -56,7 +56,7 @@ impl Screen {
         self.presenter.show(size, rgba)
     }
 
-    /// Lets the window take the keyboard, so that [`is_closed`](Self::is_closed) answers.
+    /// Lets the window take the keyboard, so that [`heard`](Self::heard) answers.
     ///
     /// # Errors
     /// The X server is gone, or no picture was shown yet.
@@ -64,11 +64,11 @@ impl Screen {
         self.presenter.take_keyboard()
     }
 
-    /// True if a key or a button of the mouse was pressed in the window.
+    /// What happened to the window since the last call.
     ///
     /// # Errors
     /// The X server is gone.
-    pub fn is_closed(&self) -> Result<bool, Failure> {
-        self.presenter.is_pressed()
+    pub fn heard(&self) -> Result<Heard, Failure> {
+        self.presenter.heard()
     }
 }

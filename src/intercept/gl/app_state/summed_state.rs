@@ -17,6 +17,20 @@ fn values(property: u32) -> usize {
     }
 }
 
+/// True for a question whether a texture is possible, which reads no pixels.
+fn is_proxy(target: u32) -> bool {
+    matches!(
+        target,
+        api::GL_PROXY_TEXTURE_2D
+            | api::GL_PROXY_TEXTURE_3D
+            | api::GL_PROXY_TEXTURE_1D_ARRAY
+            | api::GL_PROXY_TEXTURE_2D_ARRAY
+            | api::GL_PROXY_TEXTURE_CUBE_MAP
+            | api::GL_PROXY_TEXTURE_CUBE_MAP_ARRAY
+            | api::GL_PROXY_TEXTURE_RECTANGLE
+    )
+}
+
 /// Bytes of a compressed picture.
 fn bytes(size: i32) -> usize {
     usize::try_from(size).unwrap_or(0)
@@ -31,7 +45,9 @@ macro_rules! state {
     ) => {
         hooks! {
             "glTexImage3D" tex_image3_d(target: u32, level: i32, internal: i32, w: i32, h: i32, d: i32, border: i32, format: u32, kind: u32, pixels: *const c_void) = |ctx, gl| {
-                summed_pixels::add_layers(&ctx.driver, (Size::new(w, h), d), (format, kind), pixels);
+                if !is_proxy(target) {
+                    summed_pixels::add_layers(&ctx.driver, (Size::new(w, h), d), (format, kind), pixels);
+                }
                 gl.tex_image3_d(target, level, internal, w, h, d, border, format, kind, pixels);
             };
             "glTexSubImage3D" tex_sub_image3_d(target: u32, level: i32, x: i32, y: i32, z: i32, w: i32, h: i32, d: i32, format: u32, kind: u32, pixels: *const c_void) = |ctx, gl| {
@@ -44,14 +60,12 @@ macro_rules! state {
                 add_values(value, length);
                 gl.$set($($q,)* value);
             }; )*
-            $( $picture $load($($r: $v,)* size: i32, pixels: *const c_void) = |_ctx, gl| {
-                // Elsewhere the pixels lie in a buffer, which was summed up when it was filled.
-                let mut buffer = 0;
-                gl.get_integerv(api::GL_PIXEL_UNPACK_BUFFER_BINDING, &mut buffer);
-                if buffer == 0 {
+            $( $picture $load(target: u32, $($r: $v,)* size: i32, pixels: *const c_void) = |ctx, gl| {
+                // Pixels in a buffer were summed up when it was filled.
+                if !is_proxy(target) && !summed_pixels::in_buffer(&ctx.driver) {
                     add_values(pixels.cast::<u8>(), bytes(size));
                 }
-                gl.$load($($r,)* size, pixels);
+                gl.$load(target, $($r,)* size, pixels);
             }; )*
         }
     };
@@ -86,8 +100,8 @@ state! {
     "glTexEnvfv" tex_envfv(target: u32, property: u32) f32, values(property);
     "glTexEnviv" tex_enviv(target: u32, property: u32) i32, values(property);
     pictures:
-    "glCompressedTexImage2D" compressed_tex_image2_d(target: u32, level: i32, format: u32, width: i32, height: i32, border: i32);
-    "glCompressedTexImage3D" compressed_tex_image3_d(target: u32, level: i32, format: u32, width: i32, height: i32, depth: i32, border: i32);
-    "glCompressedTexSubImage2D" compressed_tex_sub_image2_d(target: u32, level: i32, x: i32, y: i32, width: i32, height: i32, format: u32);
-    "glCompressedTexSubImage3D" compressed_tex_sub_image3_d(target: u32, level: i32, x: i32, y: i32, z: i32, width: i32, height: i32, depth: i32, format: u32);
+    "glCompressedTexImage2D" compressed_tex_image2_d(level: i32, format: u32, width: i32, height: i32, border: i32);
+    "glCompressedTexImage3D" compressed_tex_image3_d(level: i32, format: u32, width: i32, height: i32, depth: i32, border: i32);
+    "glCompressedTexSubImage2D" compressed_tex_sub_image2_d(level: i32, x: i32, y: i32, width: i32, height: i32, format: u32);
+    "glCompressedTexSubImage3D" compressed_tex_sub_image3_d(level: i32, x: i32, y: i32, z: i32, width: i32, height: i32, depth: i32, format: u32);
 }

@@ -253,7 +253,8 @@ async function send() {
     const remove = value === null ? [key] : rivalsOf(known);
     try {
       take(await command({ do: 'set', changes: value === null ? [] : [`${key}=${value}`], remove, gesture: gesture || null }));
-      for (const gone of page.keys.filter(one => remove.includes(one.key))) Object.assign(gone, { given: false, value: null, toml: null });
+      const isGone = one => remove.some(key => one.key === key || one.key.startsWith(`${key}.`));
+      for (const gone of page.keys.filter(isGone)) Object.assign(gone, { given: false, value: null, toml: null });
       if (known && value !== null) known.given = true;
       if (known && known.type === 'value') known.toml = value;
       // Values that TOML writes differently from JSON come with the keys.

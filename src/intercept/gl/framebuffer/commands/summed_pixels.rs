@@ -19,7 +19,7 @@ pub unsafe fn add(driver: &Driver, size: Size, (format, kind): (u32, u32), pixel
     }
     let (Ok(width), Ok(height)) = (usize::try_from(size.width), usize::try_from(size.height)) else { return };
     let Some((pixel, unit)) = pixel(format, kind) else { return };
-    let rows = Rows::of(driver.gl, driver.profile.version >= 30 || !driver.profile.es, width, pixel, unit);
+    let rows = Rows::of(driver.gl, has_buffers(driver), width, pixel, unit);
     let Some(rows) = rows else { return };
     for row in 0..height {
         // SAFETY: the row lies in the picture, as promised.
@@ -32,16 +32,31 @@ pub unsafe fn add(driver: &Driver, size: Size, (format, kind): (u32, u32), pixel
 /// # Safety
 /// As for [`add`], with all layers.
 pub unsafe fn add_layers(driver: &Driver, (size, layers): (Size, i32), format: (u32, u32), pixels: *const c_void) {
-    let apart = [api::GL_UNPACK_IMAGE_HEIGHT, api::GL_UNPACK_SKIP_IMAGES].into_iter().any(|name| {
-        let mut value = 0;
-        // SAFETY: writes one integer.
-        unsafe { driver.gl.get_integerv(name, &mut value) };
-        value != 0
-    });
-    if call_sum::is_on() && !apart {
+    if !call_sum::is_on() {
+        return;
+    }
+    let apart = [api::GL_UNPACK_IMAGE_HEIGHT, api::GL_UNPACK_SKIP_IMAGES];
+    if !has_buffers(driver) || apart.iter().all(|name| integer(driver, *name) == 0) {
         // SAFETY: as promised.
         unsafe { add(driver, Size::new(size.width, size.height.saturating_mul(layers)), format, pixels) };
     }
+}
+
+/// True if the program's pixels come from a buffer.
+pub fn in_buffer(driver: &Driver) -> bool {
+    has_buffers(driver) && integer(driver, api::GL_PIXEL_UNPACK_BUFFER_BINDING) != 0
+}
+
+/// True if the context has buffers of pixels, and layouts of pictures with gaps.
+fn has_buffers(driver: &Driver) -> bool {
+    driver.profile.version >= 30 || !driver.profile.es
+}
+
+fn integer(driver: &Driver, name: u32) -> i32 {
+    let mut value = 0;
+    // SAFETY: writes one integer.
+    unsafe { driver.gl.get_integerv(name, &mut value) };
+    value
 }
 
 /// Layout of a picture in memory, bytes.
