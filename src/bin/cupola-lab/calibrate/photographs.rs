@@ -4,7 +4,7 @@
 //! out of focus and darker at its rim, the room is not quite dark, the picture sensor has shot
 //! noise and read noise, and values are sRGB of 8 bits.
 
-use super::world::{self, PHOTOGRAPH, SIZE, World};
+use super::world::{self, LENS, PHOTOGRAPH, SIZE, World};
 use crate::failure::Failure;
 use crate::random::Random;
 use crate::terminal;
@@ -40,7 +40,6 @@ struct Setting {
 }
 
 const POSE: [Part; 1] = [Part::Pose];
-const LENS: [Part; 4] = [Part::Pose, Part::Fov, Part::Shift, Part::Radial];
 const SETTINGS: [Setting; 4] = [
     Setting { name: "known lenses", exposure: 0.7, free: &POSE },
     Setting { name: "unknown lenses", exposure: 0.7, free: &LENS },

@@ -1,6 +1,6 @@
 //! Error against noise for marks and for sightings, some of which are wrong.
 
-use super::world::{self, PHOTOGRAPH, SIZE, World};
+use super::world::{self, LENS, PHOTOGRAPH, SIZE, World};
 use crate::failure::Failure;
 use crate::random::Random;
 use crate::terminal;
@@ -17,7 +17,6 @@ const MARKS: usize = 60;
 /// Number of sightings of each projector, and of marks in the photograph.
 const SIGHTINGS: usize = 200;
 const LANDMARKS: usize = 20;
-const LENS: [Part; 4] = [Part::Pose, Part::Fov, Part::Shift, Part::Radial];
 
 /// Results of one way to calibrate.
 pub struct Series {

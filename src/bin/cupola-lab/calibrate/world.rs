@@ -7,6 +7,8 @@ use cupola::geom::{Optics, Pose};
 use cupola::rig::{self, OutputKind, Rig};
 use glam::{DVec2, DVec3};
 
+/// A projector's pose and the numbers of its lens.
+pub const LENS: [Part; 4] = [Part::Pose, Part::Fov, Part::Shift, Part::Radial];
 /// Size of the pictures of all outputs.
 pub const SIZE: (u32, u32) = (1920, 1080);
 /// Size of a photograph: 12 megapixels.

@@ -29,8 +29,9 @@ pub fn serve(socket: UdpSocket, server: Arc<Server>) {
                 continue;
             }
             for message in messages(&bytes[..length]) {
-                let asked = matches!(command(&message), Ok(Command::Get { .. }));
-                let answered = command(&message).and_then(|command| server.run(command, false));
+                let command = command(&message);
+                let asked = matches!(command, Ok(Command::Get { .. }));
+                let answered = command.and_then(|command| server.run(command, false));
                 if let Err(why) = &answered {
                     eprintln!("cupola: OSC {}: {why}", message.addr);
                 }

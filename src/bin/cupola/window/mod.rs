@@ -122,14 +122,7 @@ fn place(text: &str) -> Result<(i16, i16), String> {
 
 impl Arguments {
     fn screen(&self) -> Result<Presenter, Failure> {
-        let filled = match &self.monitor {
-            Some(monitor) => Filled::Monitor(monitor.clone()),
-            None if self.fullscreen => Filled::Screen,
-            None => {
-                let (x, y) = self.at.unwrap_or_default();
-                Filled::Picture { x, y }
-            }
-        };
+        let filled = Filled::of(self.monitor.as_deref(), self.fullscreen, self.at.unwrap_or_default());
         let swaps = WindowSwaps { interval: self.swap_interval, group: self.swap_group, barrier: self.swap_barrier };
         Ok(Presenter::open(self.display.as_deref(), &filled)?.with(swaps))
     }

@@ -25,6 +25,17 @@ pub enum Filled {
     Monitor(String),
 }
 
+impl Filled {
+    /// The monitor with this name, else the whole screen if it is wanted, else a picture at `corner`.
+    pub fn of(monitor: Option<&str>, fullscreen: bool, corner: (i16, i16)) -> Self {
+        match monitor {
+            Some(monitor) => Self::Monitor(monitor.to_owned()),
+            None if fullscreen => Self::Screen,
+            None => Self::Picture { x: corner.0, y: corner.1 },
+        }
+    }
+}
+
 /// What happened to a window.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Heard {

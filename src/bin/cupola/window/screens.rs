@@ -3,7 +3,7 @@
 
 use super::presenter::{Filled, Heard, Presenter};
 use crate::failure::Failure;
-use cupola::rig::{Output, OwnWindow, Rig};
+use cupola::rig::{Output, Rig};
 
 /// A window of one or several outputs. It opens with the first picture.
 pub struct Screen {
@@ -27,18 +27,11 @@ impl Screen {
             if screens.iter().any(|screen| screen.output == alone) {
                 continue;
             }
-            let presenter = match &output.own_window {
-                None => Presenter::open(display, &Filled::Picture { x: 0, y: 0 })?,
-                Some(OwnWindow { display: own, monitor, fullscreen }) => {
-                    let filled = match monitor {
-                        Some(monitor) => Filled::Monitor(monitor.clone()),
-                        None if *fullscreen => Filled::Screen,
-                        None => Filled::Picture { x: 0, y: 0 },
-                    };
-                    Presenter::open(own.as_deref().or(display), &filled)?
-                }
-            };
-            screens.push(Self { presenter, output: alone });
+            let own = output.own_window.as_ref();
+            let monitor = own.and_then(|own| own.monitor.as_deref());
+            let filled = Filled::of(monitor, own.is_some_and(|own| own.fullscreen), (0, 0));
+            let display = own.and_then(|own| own.display.as_deref()).or(display);
+            screens.push(Self { presenter: Presenter::open(display, &filled)?, output: alone });
         }
         Ok(screens)
     }
