@@ -1,5 +1,6 @@
 //! Program pipelines: separable programs. The last program before rasterisation draws the view.
 
+use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::context::hooks::hooks;
@@ -8,6 +9,7 @@ use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::shader::Shaders;
 use crate::intercept::gl::state::shader::programs::{Program, ProgramLens};
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 /// Chooses the program that draws: the program in use, or else the pipeline's last program before
 /// rasterisation.
@@ -55,6 +57,21 @@ pub(super) fn with_current<T>(share: &ShareGroup, shaders: &Shaders, note: impl 
     }
 }
 
+/// Makes a call with a program for a pipeline, and returns whether the driver accepts the program. It is asked once,
+/// because programs choose stages for each draw, and a driver with a thread of its own waits for it to answer.
+fn is_accepted(ctx: &mut Context, program: u32, call: impl FnOnce(&Gl)) -> bool {
+    let record = programs::record(&ctx.share, program);
+    if program == 0 || record.as_ref().is_some_and(|record| record.is_stage.load(Ordering::Relaxed)) {
+        call(ctx.driver.gl);
+        return true;
+    }
+    let is_accepted = ctx.driver.accepts(call);
+    if let Some(record) = record {
+        record.is_stage.store(is_accepted, Ordering::Relaxed);
+    }
+    is_accepted
+}
+
 hooks! {
     "glBindProgramPipeline" bind_program_pipeline(pipeline: u32) = |ctx, gl| {
         gl.bind_program_pipeline(pipeline);
@@ -64,7 +81,7 @@ hooks! {
     "glUseProgramStages" use_program_stages(pipeline: u32, stages: u32, program: u32) = |ctx, _gl| {
         let asked = programs::asked(&ctx.share, program);
         // Refused are programs that are not separable. Those without an executable are asked for by another name.
-        if !ctx.driver.accepts(|gl| gl.use_program_stages(pipeline, stages, asked)) || asked != program {
+        if !is_accepted(ctx, program, |gl| gl.use_program_stages(pipeline, stages, asked)) || asked != program {
             return;
         }
         let present = programs::record(&ctx.share, program).map_or(0, |p| p.stages());
@@ -73,7 +90,7 @@ hooks! {
     };
     "glActiveShaderProgram" active_shader_program(pipeline: u32, program: u32) = |ctx, _gl| {
         let asked = programs::asked(&ctx.share, program);
-        if !ctx.driver.accepts(|gl| gl.active_shader_program(pipeline, asked)) || asked != program {
+        if !is_accepted(ctx, program, |gl| gl.active_shader_program(pipeline, asked)) || asked != program {
             return;
         }
         ctx.shaders.set_active(pipeline, program);

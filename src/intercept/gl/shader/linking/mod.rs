@@ -23,7 +23,7 @@ use crate::intercept::process::{call_sum, log};
 use crate::lock::Lock;
 use std::collections::{HashMap, HashSet};
 use std::ffi::{CStr, c_char, c_void};
-use std::sync::atomic::AtomicU32;
+use std::sync::atomic::{AtomicBool, AtomicU32};
 use std::sync::{Arc, Mutex};
 
 fn source_text(count: i32, strings: *const *const c_char, lengths: *const i32) -> Option<Arc<str>> {
@@ -312,6 +312,7 @@ fn read_program(
         own_locations: uniforms::locations(gl, name, &own_uniforms),
         own_uniforms,
         failed: AtomicU32::new(0),
+        is_stage: AtomicBool::new(false),
         changed_buffers: buffers::of_program(gl, profile, name),
         written_images: Vec::new(),
         stages,

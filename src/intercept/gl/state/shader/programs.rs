@@ -12,7 +12,7 @@ use crate::intercept::scene::lens::Told;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ffi::CString;
 use std::ops::Range;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 
 /// Reprojection matrix that changes nothing, for the program's own picture.
@@ -135,6 +135,8 @@ pub struct Program {
     /// Name of a program of Cupola without an executable, which answers for this one: this one was
     /// linked again without success while it was in use, and so keeps its executable. 0 = none.
     pub(in crate::intercept::gl) failed: AtomicU32,
+    /// True if the driver has accepted it for a pipeline since it was linked.
+    pub(in crate::intercept::gl) is_stage: AtomicBool,
     /// Buffers that its shaders change.
     pub changed_buffers: Vec<ChangedBuffer>,
     /// Images that draws of the program may write.
