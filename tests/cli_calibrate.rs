@@ -130,6 +130,13 @@ fn one_length_leads_to_the_radius_of_the_dome() {
     let found = rig::load(out).unwrap();
     assert!((found.dome.radius - 4.0).abs() < 1e-6, "{}", found.dome.radius);
     assert!(positions(&found).iter().zip(right).all(|(found, right)| found.distance(right) < 1e-6));
+    // Standard errors are the roots of the covariance, whose lengths are also those of this radius.
+    let report = CUPOLA.json(&[&arguments[..], &["--length", &length, "--json"]].concat());
+    assert!((report["radius"].as_f64().unwrap() - 4.0).abs() < 1e-6, "{report:#}");
+    let output = &report["outputs"][0];
+    let error = |at: usize| output["standard_errors"]["position"][at].as_f64().unwrap();
+    let variance = |at: usize| output["covariance"][at][at].as_f64().unwrap();
+    assert!((0..3).all(|at| error(at) > 0.0 && (variance(at).sqrt() / error(at) - 1.0).abs() < 1e-6), "{report:#}");
     // Without the length the radius stays, and all lengths are too large by a quarter.
     CUPOLA.answer(&arguments);
     let found = rig::load(out).unwrap();
@@ -291,11 +298,14 @@ fn photographs_lead_back_to_the_rig_that_they_show() {
         let seen = camera.place(5.0 * DVec3::new(level * sine, up, -level * cosine)).unwrap();
         writeln!(lines, "photo,{},{},{azimuth},{elevation}", seen.x, seen.y).unwrap();
     }
+    // A wrong one.
+    lines += "photo,100,120,30,45\n";
     std::fs::write(&marks, lines).unwrap();
     let [file, photos, marks, out] = [file, photos, marks, out].map(|path| text(&path));
     let found = ["calibrate", &file, "--photos", &photos, "--cell", "8", "--marks", &marks, "-o", &out, "--force"];
     let words = CUPOLA.answer(&[&found[..], &["--light", "--linear"]].concat());
     assert!(words.contains("camera: fisheye of") && words.contains("light: brightest to darkest"), "{words}");
+    assert!(words.contains("photographs: 6 of 7 marks, ") && words.contains("photo.csv:7: left out, "), "{words}");
     let [found, rough] = [rig::load(&out).unwrap(), rig::load(&file).unwrap()];
     check_light(&exact, &found);
     for output in 0..2 {

@@ -44,6 +44,16 @@ pub struct Observed {
     pub marks: Vec<Mark>,
 }
 
+/// How far a mark is from where the result has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fitted {
+    /// Distance, pixels of the photograph or of the output that it belongs to; ∞ if the result has
+    /// no place for it.
+    pub distance: f64,
+    /// True if it had an influence on the result.
+    pub used: bool,
+}
+
 /// Result of [`solve`].
 #[derive(Clone, Debug)]
 pub struct Found {
@@ -51,6 +61,10 @@ pub struct Found {
     pub outputs: Vec<(usize, Solved)>,
     /// The camera.
     pub camera: Camera,
+    /// The landmarks, in their order.
+    pub landmarks: Vec<Fitted>,
+    /// The marks of outputs, in their order; `None` for those of outputs that were not seen.
+    pub marks: Vec<Option<Fitted>>,
     /// Root mean square of the used residuals in the photograph, pixels.
     pub rms: f64,
     /// True if the dome's rotation follows from the aim of the first output, because there were no
@@ -88,7 +102,17 @@ pub fn solve(rig: &Rig, sizes: &[(u32, u32)], observed: &Observed, parts: &[Part
     let aimed_by_first = observed.landmarks.len() + observed.marks.len() < FIX;
     let (model, fit) = starts::best(&whole, aimed_by_first)
         .ok_or_else(|| invalid("what was seen does not fit the rig: is it roughly right?".into()))?;
-    found(&model, &fit, &seen, aimed_by_first)
+    let mut found = found(&model, &fit, &seen, aimed_by_first)?;
+    // Landmarks and marks come in the order in which they were given, after all sightings.
+    let fitted =
+        |at: usize| Fitted { distance: fit.residuals[at].map_or(f64::INFINITY, DVec2::length), used: fit.used[at] };
+    let (all, fitted) = (&model, &fitted);
+    let of_kind = |group| (0..all.all.len()).filter(move |at| all.group(*at) == group).map(fitted);
+    found.landmarks = of_kind(1).collect();
+    let mut marks = of_kind(2);
+    let mark = |mark: &Mark| if seen.contains(&mark.output) { marks.next() } else { None };
+    found.marks = observed.marks.iter().map(mark).collect();
+    Ok(found)
 }
 
 /// Least errors that any way to solve the outputs can have with such photographs (Cramér, Rao), in
@@ -338,7 +362,7 @@ fn found(model: &Joint, fit: &Fit, outputs: &[usize], aimed_by_first: bool) -> R
     }
     let used = fit.residuals.iter().zip(&fit.used).filter(|(_, used)| **used);
     let rms = marks::rms(used.filter_map(|(residual, _)| residual.map(DVec2::length)));
-    Ok(Found { outputs: solved, camera, rms, aimed_by_first })
+    Ok(Found { outputs: solved, camera, landmarks: Vec::new(), marks: Vec::new(), rms, aimed_by_first })
 }
 
 #[cfg(test)]

@@ -59,7 +59,13 @@ impl Length {
         let factor = self.metres / solved;
         for found in found {
             found.solved.optics.pose.position *= factor;
-            found.solved.quality.position *= factor;
+            let quality = &mut found.solved.quality;
+            quality.position *= factor;
+            // Rows and columns of the position.
+            for at in 0..3 {
+                quality.covariance[at].iter_mut().for_each(|value| *value *= factor);
+                quality.covariance.iter_mut().for_each(|row| row[at] *= factor);
+            }
         }
         if let Some(camera) = camera {
             camera.pose.position *= factor;

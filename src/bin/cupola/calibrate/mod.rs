@@ -11,7 +11,7 @@ mod report;
 mod shooting;
 mod written;
 
-pub use report::summary;
+pub use report::{away, left_out, summary};
 pub use written::changes;
 
 use crate::convert;
@@ -147,15 +147,15 @@ fn solve(arguments: &Arguments, rig: &Rig, marks: &[marks::Line], out: &Path) ->
     // The pose is always free.
     let mut parts = Part::ALL.to_vec();
     parts.retain(|part| *part == Part::Pose || arguments.solve.contains(part));
-    let (mut found, mut camera, light) = match &arguments.photos {
+    let (mut found, mut camera, fitted, light) = match &arguments.photos {
         Some(folder) => {
             let found = photographs::solve(arguments, rig, folder, marks, &parts)?;
-            (found.outputs, Some(found.camera), found.light)
+            (found.outputs, Some(found.camera), found.marks, found.light)
         }
         None if arguments.light => {
             return Err(Failure::usage("--light needs photographs of the patterns; give --photos DIR"));
         }
-        None => (from_marks(arguments, rig, marks, &parts)?, None, None),
+        None => (from_marks(arguments, rig, marks, &parts)?, None, Vec::new(), None),
     };
     let masks = light.as_ref().map(|light| light::masks(rig, light, out, arguments.force)).transpose()?;
     let length = arguments.length.as_ref();
@@ -166,7 +166,10 @@ fn solve(arguments: &Arguments, rig: &Rig, marks: &[marks::Line], out: &Path) ->
         compared::write(picture, rig, &after)?;
     }
     if arguments.json {
-        println!("{:#}", report::json(rig, &found, camera.as_ref(), light.as_ref(), out));
+        let mut json = report::json(rig, &found, camera.as_ref(), light.as_ref(), out);
+        json["marks"] = report::marks_json(&fitted);
+        json["radius"] = json!(radius);
+        println!("{json:#}");
         return Ok(ExitCode::SUCCESS);
     }
     println!("{}: outputs: {}", out.display(), found.len());
@@ -174,6 +177,7 @@ fn solve(arguments: &Arguments, rig: &Rig, marks: &[marks::Line], out: &Path) ->
     if let Some(camera) = &camera {
         println!("{}", report::camera_words(camera));
     }
+    print!("{}", report::marks_words(&fitted, arguments.marks.as_deref()));
     if let Some(radius) = radius {
         println!("dome: radius {radius:.4} m");
     }

@@ -2,7 +2,7 @@
 
 use super::marks::Line;
 use super::patterns::Patterns;
-use super::{Arguments, Found};
+use super::{Arguments, Found, report};
 use crate::failure::Failure;
 use crate::map::native_size;
 use crate::terminal;
@@ -17,6 +17,8 @@ use std::path::{Path, PathBuf};
 pub struct Photographed {
     pub outputs: Vec<Found>,
     pub camera: Camera,
+    /// The marks.
+    pub marks: Vec<report::Fitted>,
     /// Brightness of the outputs, if grey pictures were photographed.
     pub light: Option<light::Found>,
 }
@@ -85,10 +87,19 @@ pub fn solve(
     {
         eprintln!("cupola: {} is not in the photographs, and stays as it is", rig.outputs[*output].name);
     }
+    let (mut landmarks, mut of_outputs) = (found.landmarks.iter(), found.marks.iter());
+    let fitted = marks.iter().filter_map(|line| {
+        let fitted = match line.mark {
+            Some(_) => of_outputs.next().copied().flatten(),
+            None => landmarks.next().copied(),
+        };
+        fitted.map(|fitted| report::Fitted { line: line.number, in_photograph: line.mark.is_none(), fitted })
+    });
+    let marks = fitted.collect();
     let light = arguments.light.then(|| solved_light(rig, &sizes, &found, &readings)).transpose();
     let light = light.map_err(|error| Failure::usage(format!("{}: {}", folder.display(), error.message)))?;
     let outputs = found.outputs.into_iter().map(|(output, solved)| Found { output, solved, lines: Vec::new() });
-    Ok(Photographed { outputs: outputs.collect(), camera: found.camera, light })
+    Ok(Photographed { outputs: outputs.collect(), camera: found.camera, marks, light })
 }
 
 /// Solves the light of the solved projectors.

@@ -1,11 +1,60 @@
 //! Results in words and as JSON.
 
 use super::Found;
-use cupola::calibrate::{Camera, CameraLens, Quality, light};
+use cupola::calibrate::{Camera, CameraLens, Quality, joint, light};
 use cupola::rig::Rig;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::Path;
+
+/// A mark beside photographs, with its line in the file of marks.
+pub struct Fitted {
+    pub line: usize,
+    /// True for a place in the photographs, false for one in the picture of an output.
+    pub in_photograph: bool,
+    pub fitted: joint::Fitted,
+}
+
+/// Root mean square of the distances of the used marks in the photographs, pixels, and the numbers
+/// of these marks and of all in the photographs.
+fn in_photographs(marks: &[Fitted]) -> (f64, usize, usize) {
+    let all = || marks.iter().filter(|mark| mark.in_photograph);
+    let used = || all().filter(|mark| mark.fitted.used);
+    let squares: f64 = used().map(|mark| mark.fitted.distance.powi(2)).sum();
+    ((squares / used().count().max(1) as f64).sqrt(), used().count(), all().count())
+}
+
+/// Describes the marks beside photographs: how well they fit, and which were left out.
+pub fn marks_words(marks: &[Fitted], file: Option<&Path>) -> String {
+    let file = file.unwrap_or(Path::new("")).display();
+    let (rms, used, all) = in_photographs(marks);
+    let mut words = String::new();
+    // Writing into a string cannot fail.
+    if all > 0 {
+        let _ = writeln!(words, "photographs: {used} of {all} marks, {rms:.3} px rms");
+    }
+    for mark in marks.iter().filter(|mark| !mark.fitted.used) {
+        let _ = writeln!(words, "  {file}:{}: left out, {}", mark.line, away(mark.fitted.distance));
+    }
+    words
+}
+
+/// Describes the distance of a mark that was left out.
+pub fn away(pixels: f64) -> String {
+    match pixels.is_finite() {
+        true => format!("{pixels:.1} px from where it should be"),
+        false => "nothing is shown there".to_owned(),
+    }
+}
+
+/// The marks beside photographs as JSON.
+pub fn marks_json(marks: &[Fitted]) -> serde_json::Value {
+    let (rms, used, all) = in_photographs(marks);
+    let left_out = marks.iter().filter(|mark| !mark.fitted.used);
+    let left_out = left_out.map(|mark| json!({ "line": mark.line, "pixels": mark.fitted.distance }));
+    let left_out: Vec<_> = left_out.collect();
+    json!({ "in_photographs": all, "used": used, "rms_pixels": rms, "left_out": left_out })
+}
 
 /// Converts an angle to minutes of arc, for the text.
 fn minutes(radians: f64) -> f64 {
@@ -28,10 +77,9 @@ pub fn summary(quality: &Quality) -> String {
     )
 }
 
-/// Lines of marks that were left out, with their distances.
-fn wrong(found: &Found) -> impl Iterator<Item = (usize, f64)> + '_ {
-    let quality = &found.solved.quality;
-    let marks = found.lines.iter().zip(&quality.distances).zip(&quality.used);
+/// Lines of marks that were left out, with their distances. `lines` are those of all marks.
+pub fn left_out<'a>(lines: &'a [usize], quality: &'a Quality) -> impl Iterator<Item = (usize, f64)> + 'a {
+    let marks = lines.iter().zip(&quality.distances).zip(&quality.used);
     marks.filter(|(_, used)| !**used).map(|((line, distance), _)| (*line, *distance))
 }
 
@@ -40,9 +88,9 @@ pub fn words(rig: &Rig, found: &Found, marks: Option<&Path>) -> String {
     let marks = marks.unwrap_or(Path::new(""));
     let name = &rig.outputs[found.output].name;
     let mut words = format!("{name}: {}\n", summary(&found.solved.quality));
-    for (line, distance) in wrong(found) {
+    for (line, distance) in left_out(&found.lines, &found.solved.quality) {
         // Writing into a string cannot fail.
-        let _ = writeln!(words, "  {}:{line}: left out, {distance:.1} px from where it should be", marks.display());
+        let _ = writeln!(words, "  {}:{line}: left out, {}", marks.display(), away(distance));
     }
     words
 }
@@ -59,8 +107,9 @@ pub fn json(
         .iter()
         .map(|found| {
             let quality = &found.solved.quality;
-            let left_out: Vec<_> =
-                wrong(found).map(|(line, pixels)| json!({ "line": line, "pixels": pixels })).collect();
+            let left_out: Vec<_> = self::left_out(&found.lines, quality)
+                .map(|(line, pixels)| json!({ "line": line, "pixels": pixels }))
+                .collect();
             json!({
                 "name": rig.outputs[found.output].name,
                 "marks": quality.used.len(),

@@ -193,7 +193,7 @@ impl Server {
             Command::Pattern(choice) => self.show(&mut desk, choice)?,
             Command::Mark(mark) => {
                 let Desk { marks, working, .. } = &mut *desk;
-                marks.add(&mark, working.rig())?;
+                marks.add(&mark, working.rig(), &self.sizes(working.rig()))?;
             }
             Command::Unmark { line } => {
                 let Desk { marks, working, .. } = &mut *desk;
@@ -331,7 +331,7 @@ impl Server {
             },
             "rigs": self.rigs.iter().cloned().chain(presets).collect::<Vec<_>>(),
             "pattern": desk.pattern,
-            "marks": desk.marks.state(working.rig()),
+            "marks": desk.marks.state(working.rig(), &self.sizes(working.rig())),
             "program": status,
             "programs": self.programs.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(),
             "frame_milliseconds": self.seen().frame_milliseconds(),
