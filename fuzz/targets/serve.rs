@@ -23,6 +23,7 @@ fn run(commands: Vec<Command>) {
         working_file: folder.join("rig.toml"),
         ring: folder.join("ring"),
         statistics: folder.join("statistics.json"),
+        clock: folder.join("clock"),
     };
     let (program, _orders) = Program::new();
     let rigs = vec!["planetarium-2".to_owned()];

@@ -3,15 +3,17 @@
 
 use crate::failure::Failure;
 use crate::launch::held::{self, Request};
+use crate::pattern::direction;
 use crate::serve::control::Command;
+use crate::serve::marks::NewMark;
 use crate::serve::pattern::Choice;
 use crate::serve::socket;
 use serde_json::Value;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Control a running `cupola serve` of the same user: change keys, undo, save, show patterns, start,
-/// stop and hold programs.
+/// Control a running `cupola serve` of the same user: change keys, undo, save, show patterns, mark
+/// and solve, start, stop and hold programs.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Socket of the server, as it printed it [default: the one that was started first]
@@ -72,14 +74,42 @@ enum Action {
     /// Show a test pattern instead of the program, or the program again
     Pattern {
         /// Parts as for `cupola pattern --parts`, or off
-        #[arg(value_delimiter = ',', required = true, value_name = "PART,…|off")]
+        #[arg(value_delimiter = ',', required_unless_present = "at", value_name = "PART,…|off")]
         parts: Vec<String>,
+        /// A cross in this direction, degrees; may be given several times
+        #[arg(long, value_name = "AZIMUTH,ELEVATION", allow_hyphen_values = true, value_parser = direction)]
+        at: Vec<[f64; 2]>,
         /// Name of the only output that is not black
         #[arg(long, value_name = "NAME")]
         only: Option<String>,
         /// Distance between lines of a grid, degrees
         #[arg(long, value_name = "DEGREES")]
         step: Option<f64>,
+    },
+    /// Add a mark for the calibration: the place of an output's picture that lights a known direction
+    #[command(allow_negative_numbers = true)]
+    Mark {
+        /// Name of the output
+        output: String,
+        /// Pixels from the left
+        x: f64,
+        /// Pixels from the top
+        y: f64,
+        /// Degrees: 0 = front, 90 = right
+        azimuth: f64,
+        /// Degrees above the horizon
+        elevation: f64,
+    },
+    /// Remove a mark
+    Unmark {
+        /// Number of its line in the file of marks
+        line: usize,
+    },
+    /// Solve the outputs that have marks, and change the rig
+    Solve {
+        /// Other unknown numbers besides the pose: fov, shift, radial, tangential, mirror
+        #[arg(value_delimiter = ',', value_name = "PART,…")]
+        parts: Vec<String>,
     },
     /// Start a program: one that the server was started with, or any other after `--`
     Start {
@@ -116,6 +146,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         Action::Stats => print_state(&answer),
         Action::Keys => answer.as_array().into_iter().flatten().for_each(print_key),
         Action::Get { .. } => println!("{}", shown(&answer)),
+        Action::Solve { .. } => {
+            let lines = answer["solved"].as_array().into_iter().flatten().filter_map(Value::as_str);
+            lines.for_each(|line| println!("{line}"));
+        }
         _ => {}
     }
     Ok(ExitCode::SUCCESS)
@@ -183,10 +217,15 @@ fn command(action: &Action) -> Command {
         Action::Redo => Command::Redo {},
         Action::Save { replace } => Command::Save { replace: *replace },
         Action::Rig { name, replace } => Command::Rig { name: name.clone(), replace: *replace },
-        Action::Pattern { parts, only, step } => {
+        Action::Pattern { parts, at, only, step } => {
             let parts = if parts[..] == ["off"] { Vec::new() } else { parts.clone() };
-            Command::Pattern(Choice { parts, step: *step, only: only.clone(), ..Choice::default() })
+            Command::Pattern(Choice { parts, step: *step, only: only.clone(), at: at.clone(), cursor: None })
         }
+        Action::Mark { output, x, y, azimuth, elevation } => {
+            Command::Mark(NewMark { output: output.clone(), x: *x, y: *y, azimuth: *azimuth, elevation: *elevation })
+        }
+        Action::Unmark { line } => Command::Unmark { line: *line },
+        Action::Solve { parts } => Command::Solve { parts: parts.clone() },
         Action::Start { program, command } => {
             Command::Start { program: program.clone(), command: (!command.is_empty()).then(|| command.clone()) }
         }
@@ -272,6 +311,19 @@ mod tests {
         // What an older client sends removes nothing.
         let older = serde_json::from_str(r#"{ "do": "set", "changes": ["dome.tilt=3", "name=x"] }"#);
         assert_eq!(older.ok(), Some(set));
+    }
+
+    #[test]
+    fn patterns_and_marks_are_those_of_the_page() {
+        let request = |line: &[&str]| command(&Line::try_parse_from(line).expect("arguments").arguments.action);
+        let cross = Choice { at: vec![[-45.0, 30.0]], ..Choice::default() };
+        assert_eq!(request(&["ctl", "pattern", "--at", "-45,30"]), Command::Pattern(cross));
+        let mark = NewMark { output: "a".into(), x: 10.5, y: 20.5, azimuth: -45.0, elevation: 30.0 };
+        assert_eq!(request(&["ctl", "mark", "a", "10.5", "20.5", "-45", "30"]), Command::Mark(mark));
+        assert_eq!(request(&["ctl", "unmark", "3"]), Command::Unmark { line: 3 });
+        let parts = vec!["fov".to_owned(), "shift".to_owned()];
+        assert_eq!(request(&["ctl", "solve", "fov,shift"]), Command::Solve { parts });
+        assert!(Line::try_parse_from(["ctl", "pattern"]).is_err());
     }
 
     #[test]

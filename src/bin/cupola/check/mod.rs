@@ -43,26 +43,30 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         print!("{}", text(name)?);
         return Ok(ExitCode::SUCCESS);
     }
-    let rig = match cupola::rig::load(name) {
-        Ok(rig) => rig.with_all_outputs().into_owned(),
+    match described(name, arguments) {
+        Ok(words) => print!("{words}"),
         Err(error) if arguments.json => {
             let problems: Vec<&str> = error.message.lines().collect();
             println!("{:#}", json!({ "valid": false, "problems": problems }));
             return Ok(ExitCode::from(2));
         }
         Err(error) => return Err(error.into()),
-    };
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Description of a rig and its views, in words or as JSON.
+fn described(name: &str, arguments: &Arguments) -> cupola::Result<String> {
+    let rig = cupola::rig::load(name)?.with_all_outputs().into_owned();
     let request = window_request(&rig, arguments.size);
     let window = request.window;
-    let words = patiently("planning the views", || -> Result<String, Failure> {
+    patiently("planning the views", || {
         let plan = cupola::views::plan(&rig, &request)?;
         Ok(match arguments.json {
             true => format!("{:#}\n", describe::json(&rig, window, &plan)),
             false => describe::words(&rig, window, &plan),
         })
-    })?;
-    print!("{words}");
-    Ok(ExitCode::SUCCESS)
+    })
 }
 
 /// TOML text of a rig file or preset.

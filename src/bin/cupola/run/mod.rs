@@ -7,6 +7,7 @@ mod options;
 use crate::display;
 use crate::failure::Failure;
 use crate::launch::{apply, loader};
+use crate::serve::Ways;
 use crate::window::opening;
 use cupola::ring;
 use cupola::system::process::{self, Ended};
@@ -37,6 +38,8 @@ pub struct Arguments {
     /// Also serve a page with the dome and the keys of the rig, as `cupola serve` does
     #[arg(long, conflicts_with = "print_environment")]
     serve: bool,
+    #[command(flatten)]
+    ways: Ways,
     /// Print the environment as shell commands and do not start a program
     #[arg(long, conflicts_with = "pause")]
     print_environment: bool,
@@ -59,15 +62,30 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         arguments.options.environment(profile.as_ref(), None)?;
         let given: Vec<OsString> = std::env::args_os().skip(2).collect();
         let options = own_options(&given, arguments.program.len());
-        return crate::serve::run_with(arguments.options.rig_name(), options, &arguments.program);
+        return crate::serve::run_with(arguments.options.rig_name(), options, &arguments.program, &arguments.ways);
+    }
+    if !arguments.ways.is_default() {
+        return Err(Failure::usage(format!("{} are options of the page; add --serve", Ways::OPTIONS.join(", "))));
     }
     run_and_inspect(arguments, None)
 }
 
 /// Options of `run --serve` before the program that a run without the page has too.
 fn own_options(given: &[OsString], program: usize) -> Vec<OsString> {
-    let before = &given[..given.len().saturating_sub(program)];
-    before.iter().filter(|argument| *argument != "--serve" && *argument != "--").cloned().collect()
+    let mut before = given[..given.len().saturating_sub(program)].iter();
+    let mut options = Vec::new();
+    while let Some(argument) = before.next() {
+        let text = argument.to_string_lossy();
+        let of_the_page = Ways::OPTIONS.iter().find_map(|option| text.strip_prefix(option));
+        match of_the_page {
+            // The value is the next argument.
+            Some("") => drop(before.next()),
+            Some(rest) if rest.starts_with('=') => {}
+            _ if text == "--serve" || text == "--" => {}
+            _ => options.push(argument.clone()),
+        }
+    }
+    options
 }
 
 /// Runs the subcommand, with a page about the last frame if one is requested. Returns the exit code
@@ -181,5 +199,17 @@ fn cannot_start(program: &OsString, error: &std::io::Error) -> Failure {
     match error.kind() {
         std::io::ErrorKind::NotFound => Failure { message: format!("{name}: command not found"), code: 127 },
         _ => Failure { message: format!("{name}: cannot be started: {error}"), code: 126 },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_options_of_the_page_are_not_those_of_the_run() {
+        let given = |line: &str| line.split(' ').map(OsString::from).collect::<Vec<_>>();
+        let line = "--serve --size 640x400 --port 0 --osc=9000 --marks m.csv --headless -- app --port 3";
+        assert_eq!(own_options(&given(line), 3), given("--size 640x400 --headless"));
     }
 }

@@ -16,7 +16,7 @@ pub mod control;
 mod fuzzing;
 mod http;
 mod keys;
-mod marks;
+pub mod marks;
 mod osc;
 pub mod pattern;
 mod picture;
@@ -80,9 +80,6 @@ pub struct Arguments {
     /// Another program that the page may start, as one line of words; may be given several times
     #[arg(long, value_name = "COMMAND")]
     program: Vec<String>,
-    /// File of marks, as `cupola calibrate` reads it: the page adds those that are made on it
-    #[arg(long, value_name = "FILE.csv")]
-    marks: Option<PathBuf>,
     /// Let the programs' clocks go on by 1/FPS with each frame, so that their time can be held
     #[arg(long, value_name = "FPS", value_parser = rate)]
     clock: Option<Rate>,
@@ -99,12 +96,15 @@ pub struct Arguments {
     command: Vec<OsString>,
 }
 
-/// Ways to reach the server.
+/// Ways to reach the server, and its file of marks.
 #[derive(clap::Args)]
-struct Ways {
-    /// Port of the page; 0 takes any free one
-    #[arg(long, value_name = "PORT", default_value_t = PORT)]
-    port: u16,
+pub struct Ways {
+    /// File of marks, as `cupola calibrate` reads it: the page adds those that are made on it
+    #[arg(long, value_name = "FILE.csv")]
+    marks: Option<PathBuf>,
+    /// Port of the page; 0 takes any free one [default: 8640]
+    #[arg(long, value_name = "PORT")]
+    port: Option<u16>,
     /// Address of this machine for the page, for phones and other machines [default: this machine
     /// alone]
     #[arg(long, value_name = "ADDRESS", value_parser = listen_address)]
@@ -112,6 +112,17 @@ struct Ways {
     /// Also follow OSC messages at this UDP port
     #[arg(long, value_name = "[ADDRESS:]PORT", value_parser = osc_address)]
     osc: Option<SocketAddr>,
+}
+
+impl Ways {
+    /// Options that take the next argument as their value.
+    pub const OPTIONS: [&str; 4] = ["--marks", "--port", "--listen", "--osc"];
+
+    /// True if no option is given.
+    pub fn is_default(&self) -> bool {
+        let Self { marks, port, listen, osc } = self;
+        marks.is_none() && port.is_none() && listen.is_none() && osc.is_none()
+    }
 }
 
 fn listen_address(text: &str) -> Result<IpAddr, String> {
@@ -149,15 +160,14 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     }
     let rigs = if arguments.rig.is_empty() { vec!["fisheye".to_owned()] } else { arguments.rig };
     let starts = !arguments.idle && !arguments.command.is_empty();
-    serve(rigs, programs, options, starts, arguments.marks, &arguments.ways, false)
+    serve(rigs, programs, options, starts, &arguments.ways, false)
 }
 
 /// Serves the page for one program with these options of `run`, until it ends:
 /// `cupola run --serve`.
-pub fn run_with(rig: String, options: Vec<OsString>, program: &[OsString]) -> Result<ExitCode, Failure> {
+pub fn run_with(rig: String, options: Vec<OsString>, program: &[OsString], ways: &Ways) -> Result<ExitCode, Failure> {
     let name = program.first().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let ways = Ways { port: PORT, listen: None, osc: None };
-    serve(vec![rig], vec![(name, program.to_owned())], options, true, None, &ways, true)
+    serve(vec![rig], vec![(name, program.to_owned())], options, true, ways, true)
 }
 
 fn serve(
@@ -165,7 +175,6 @@ fn serve(
     programs: Vec<(String, Vec<OsString>)>,
     options: Vec<OsString>,
     starts: bool,
-    marks: Option<PathBuf>,
     ways: &Ways,
     is_once: bool,
 ) -> Result<ExitCode, Failure> {
@@ -178,6 +187,7 @@ fn serve(
         clock: scratch.path().join("clock"),
     };
     let (program, supervised) = Program::new();
+    let marks = ways.marks.clone();
     let server = Server::new(rigs, programs, launch.clone(), program, marks, scratch.path()).map_err(Failure::usage)?;
     let server = Arc::new(server);
     process::note_end_signals();
@@ -203,7 +213,7 @@ fn ring_file() -> std::path::PathBuf {
 
 /// Opens the ways to the server, and prints the address.
 fn announce(server: &Arc<Server>, ways: &Ways) -> Result<(), Failure> {
-    let address = SocketAddr::from((ways.listen.unwrap_or(IpAddr::V4(Ipv4Addr::LOCALHOST)), ways.port));
+    let address = SocketAddr::from((ways.listen.unwrap_or(IpAddr::V4(Ipv4Addr::LOCALHOST)), ways.port.unwrap_or(PORT)));
     let busy =
         |what: &str, error: std::io::Error| Failure::new(format!("{what}: {error}; --port 0 takes any free port"));
     let listener = TcpListener::bind(address).map_err(|error| busy(&address.to_string(), error))?;
