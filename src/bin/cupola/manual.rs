@@ -32,5 +32,8 @@ fn visible(command: clap::Command) -> clap::Command {
     if let Some(about) = command.get_about() {
         shown = shown.about(about.clone());
     }
+    if let Some(help) = command.get_after_help() {
+        shown = shown.after_help(help.clone());
+    }
     shown.subcommands(command.get_subcommands().filter(|each| !each.is_hide_set()).cloned())
 }
