@@ -119,8 +119,8 @@ pub fn solve(rig: &Rig, sizes: &[(u32, u32)], observed: &Observed, parts: &[Part
 /// the order of the outputs that were seen: root mean squares over their pictures, pixels. `None`
 /// if the outputs are not determined.
 ///
-/// `rig`, `camera` and `observed` are exact; `deviation` is the standard deviation of the errors
-/// that all observed coordinates will have, pixels.
+/// `rig`, `camera` and `observed` are exact; `deviations` are the standard deviations of the errors
+/// that each coordinate of sightings, landmarks and marks will have, pixels.
 ///
 /// # Errors
 /// As [`solve`].
@@ -130,13 +130,13 @@ pub fn limits(
     observed: &Observed,
     camera: &Camera,
     parts: &[Part],
-    deviation: f64,
+    deviations: [f64; GROUPS],
 ) -> Result<Option<Vec<f64>>> {
     let screen = rig.surface();
     let model = Joint::new(rig, &screen, sizes, observed, camera.clone(), parts)?;
     let exact = vec![0.0; model.parameters()];
     let used = vec![true; model.observations()];
-    let information = least_squares::information(&model, &exact, &used, &[deviation; GROUPS]);
+    let information = least_squares::information(&model, &exact, &used, &deviations);
     let limit = |covariance: &Symmetric, (index, projector): (usize, &Projector)| {
         let own = model.first(index)..model.first(index + 1);
         marks::expected(projector, &exact[own.clone()], &covariance.part(own), &screen)

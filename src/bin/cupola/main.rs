@@ -60,7 +60,11 @@ use std::process::ExitCode;
 
 /// Puts existing OpenGL and Vulkan programs, unmodified, on domes.
 #[derive(Parser)]
-#[command(name = "cupola", version, arg_required_else_help = true, after_help = "\
+#[command(
+    name = "cupola",
+    version,
+    arg_required_else_help = true,
+    after_help = "\
 First steps:
   cupola doctor                    what this machine has
   cupola run glxgears              a program as a fisheye picture
@@ -68,7 +72,8 @@ First steps:
   cupola setup dome.toml           a rig for your own dome
 
 Exit codes: 0 success; 1 failure; 2 wrong arguments, a wrong rig or a file that cannot be read. Commands that start a
-program exit with its code, 128 + N if signal N ended it, and 126 or 127 if it cannot be started.")]
+program exit with its code, 128 + N if signal N ended it, and 126 or 127 if it cannot be started."
+)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,

@@ -101,7 +101,7 @@ fn noise_is_averaged_as_well_as_can_be() {
         let camera = camera(CameraLens::Fisheye, &mut random);
         let observed = observed(&exact, &camera, 60, 20, 0.3, &mut random);
         let found = solve(&rough(&exact, &mut random), &SIZES, &observed, &[Part::Pose]).expect("determined");
-        let limits_of_all = limits(&exact, &SIZES, &observed, &camera, &[Part::Pose], 0.3).expect("projectors");
+        let limits_of_all = limits(&exact, &SIZES, &observed, &camera, &[Part::Pose], [0.3; 3]).expect("projectors");
         least.extend(limits_of_all.expect("determined"));
         for (output, solved) in &found.outputs {
             let projector = Projector::new(&exact.outputs[*output], SIZES[*output], &[Part::Pose], 5.0).expect("one");
@@ -194,7 +194,7 @@ fn lenses_and_mirrors_are_found() {
             let observed = observed(&exact, &camera, 100, 30, noise, &mut random);
             let found = solve(&rough, &SIZES[..exact.outputs.len()], &observed, parts).expect("determined");
             let error = error(&exact, &found);
-            let limits = limits(&exact, &SIZES[..exact.outputs.len()], &observed, &camera, parts, 0.3);
+            let limits = limits(&exact, &SIZES[..exact.outputs.len()], &observed, &camera, parts, [0.3; 3]);
             let limit = marks::rms(limits.expect("projectors").expect("determined").into_iter());
             println!("{preset} {noise}: {error} px, at least {limit}");
             if noise == 0.0 {
@@ -227,7 +227,7 @@ fn noise_and_wrong_places_leave_a_tenth_of_a_pixel() {
     right.sightings.retain(|_| index.next().is_some_and(|index: usize| !index.is_multiple_of(10)));
     let mut index = 0..;
     right.landmarks.retain(|_| index.next().is_some_and(|index: usize| !index.is_multiple_of(10)));
-    let limits = limits(&exact, &SIZES, &right, &camera, &[Part::Pose], 0.3).expect("projectors");
+    let limits = limits(&exact, &SIZES, &right, &camera, &[Part::Pose], [0.3; 3]).expect("projectors");
     let limit = marks::rms(limits.expect("determined").into_iter());
     let error = error(&exact, &found);
     println!("{error} px, at least {limit}");

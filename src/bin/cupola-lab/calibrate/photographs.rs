@@ -31,6 +31,9 @@ const CLICKS: f64 = 0.3;
 /// Numbers of marks that are tried, and the part of all observations that are wrong.
 const TRIES: [(usize, f64); 3] = [(20, 0.0), (100, 0.0), (100, 0.1)];
 
+/// Number of times that the marks of a try are drawn. Their errors decide, so one draw says little.
+const DRAWS: u32 = 6;
+
 /// How photographs are taken, and what is free.
 struct Setting {
     name: &'static str,
@@ -59,13 +62,16 @@ pub struct Photographed {
     solved: Vec<Solved>,
 }
 
-/// Result of one solution.
+/// Results of one try, for all draws.
 struct Solved {
     marks: usize,
     /// Part of all observations that are wrong.
     wrong: f64,
     /// Error of each output, pixels.
     errors: Vec<f64>,
+    /// Least error that is possible (Cramér, Rao), pixels.
+    limit: f64,
+    /// Mean time of a solution.
     seconds: f64,
 }
 
@@ -76,21 +82,24 @@ impl Photographed {
         let mut table = format!(
             "\n{}: {} photographs of {width} × {height} pixels, {} sightings with {:.3} px rms of error (mean {:.3} \
              px); rendered and decoded in {:.0} s\n\n\
-             | marks | wrong | error, px | worst output, px | solved in, s |\n|---|---|---|---|---|\n",
+             | marks | wrong | error, px | limit, px | worst output, px | solved in, s |\n|---|---|---|---|---|---|\n",
             self.name, self.photographs, self.sightings, self.decoding.0, self.decoding.1, self.rendering
         );
-        for Solved { marks, wrong, errors, seconds } in &self.solved {
+        for Solved { marks, wrong, errors, limit, seconds } in &self.solved {
             let (wrong, error, worst) = (100.0 * wrong, rms(errors), greatest(errors));
             // Writing into a string cannot fail.
-            let _ = writeln!(table, "| {marks} | {wrong:.0} % | {error:.4} | {worst:.4} | {seconds:.1} |");
+            let _ = writeln!(table, "| {marks} | {wrong:.0} % | {error:.4} | {limit:.4} | {worst:.4} | {seconds:.1} |");
         }
         table
     }
 
     /// The results as JSON.
     pub fn json(&self) -> serde_json::Value {
-        let solved = self.solved.iter().map(|Solved { marks, wrong, errors, seconds }| {
-            json!({ "marks": marks, "wrong": wrong, "error": rms(errors), "outputs": errors, "seconds": seconds })
+        let solved = self.solved.iter().map(|Solved { marks, wrong, errors, limit, seconds }| {
+            let error = rms(errors);
+            json!({
+                "marks": marks, "wrong": wrong, "error": error, "limit": limit, "outputs": errors, "seconds": seconds,
+            })
         });
         json!({
             "name": self.name, "photographs": self.photographs, "sightings": self.sightings, "seconds": self.rendering,
@@ -144,22 +153,39 @@ fn measured_with(setting: &Setting) -> Result<Photographed, Failure> {
     let rendering = begin.elapsed().as_secs_f64();
     let decoding = decoding(&world, &camera, &observed)?;
     let sizes = vec![SIZE; outputs];
+    // Of each coordinate: sightings as they were decoded, clicks on marks.
+    let deviations = [decoding.0 / 2f64.sqrt(), CLICKS, CLICKS];
     let mut solved = Vec::new();
     for (marks, wrong) in TRIES {
-        observed.landmarks = world::landmarks(&world, &camera, marks, &mut random);
-        observed.landmarks.iter_mut().for_each(|(seen, _)| *seen += CLICKS * random.gaussian());
-        let seen = observed.sightings.iter_mut().map(|sighting| &mut sighting.seen);
-        // The last try has the wrong ones, so that they are not undone.
-        for seen in seen.chain(observed.landmarks.iter_mut().map(|(seen, _)| seen)) {
-            if random.range(0.0, 1.0) < wrong {
-                *seen += 200.0 * random.gaussian();
+        let (mut errors, mut limits, mut seconds) = (Vec::new(), Vec::new(), 0.0);
+        for _ in 0..DRAWS {
+            let mut drawn =
+                Observed { landmarks: world::landmarks(&world, &camera, marks, &mut random), ..observed.clone() };
+            let mut right = Observed { sightings: Vec::new(), landmarks: Vec::new(), ..drawn.clone() };
+            drawn.landmarks.iter_mut().for_each(|(seen, _)| *seen += CLICKS * random.gaussian());
+            for sighting in &mut drawn.sightings {
+                match random.range(0.0, 1.0) < wrong {
+                    true => sighting.seen += 200.0 * random.gaussian(),
+                    false => right.sightings.push(*sighting),
+                }
             }
+            for landmark in &mut drawn.landmarks {
+                match random.range(0.0, 1.0) < wrong {
+                    true => landmark.0 += 200.0 * random.gaussian(),
+                    false => right.landmarks.push(*landmark),
+                }
+            }
+            let begin = Instant::now();
+            let found = joint::solve(&world.rough, &sizes, &drawn, setting.free)?;
+            seconds += begin.elapsed().as_secs_f64() / f64::from(DRAWS);
+            for (output, solved) in &found.outputs {
+                errors.push(world.error(*output, &solved.optics)?);
+            }
+            // Their derivatives are those of the exact places, from which these are a tenth of a pixel away.
+            let least = joint::limits(&world.exact, &sizes, &right, &camera, setting.free, deviations)?;
+            limits.extend(least.into_iter().flatten());
         }
-        let begin = Instant::now();
-        let found = joint::solve(&world.rough, &sizes, &observed, setting.free)?;
-        let seconds = begin.elapsed().as_secs_f64();
-        let errors = found.outputs.iter().map(|(output, solved)| world.error(*output, &solved.optics));
-        solved.push(Solved { marks, wrong, errors: errors.collect::<Result<_, _>>()?, seconds });
+        solved.push(Solved { marks, wrong, errors, limit: rms(&limits), seconds });
     }
     let (name, photographs, sightings) = (setting.name, outputs * codes.pictures().len(), observed.sightings.len());
     Ok(Photographed { name, photographs, sightings, decoding, rendering, solved })

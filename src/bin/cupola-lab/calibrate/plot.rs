@@ -9,7 +9,7 @@ const SIZE: (f64, f64) = (900.0, 560.0);
 const AREA: [f64; 4] = [80.0, 50.0, 860.0, 440.0];
 /// Range of both axes, pixels.
 const RANGE: (f64, f64) = (0.001, 10.0);
-const COLORS: [&str; 2] = ["#36a", "#d30"];
+const COLORS: [&str; 3] = ["#36a", "#d30", "#292"];
 
 /// Position of a value between the ends of [`RANGE`], 0…1.
 fn part(value: f64) -> f64 {

@@ -174,7 +174,7 @@ fn by_sightings(point: &mut Point, random: &mut Random, free: &[Part]) -> Result
     let mut index = 0..;
     right.landmarks.retain(|_| index.next().is_some_and(|index| !is_wrong(index)));
     let sizes = vec![SIZE; world.exact.outputs.len()];
-    let limits = joint::limits(&world.exact, &sizes, &right, &camera, free, point.noise)?;
+    let limits = joint::limits(&world.exact, &sizes, &right, &camera, free, [point.noise; 3])?;
     for (index, sighting) in all.sightings.iter_mut().enumerate() {
         sighting.seen += error(index, point.noise, random);
     }

@@ -25,11 +25,11 @@ use std::process::ExitCode;
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     arguments.check()?;
     convert::refuse_to_replace(&arguments.file, arguments.force)?;
-    match &arguments.from {
-        Some(source) => take_over(source, arguments)?,
+    let wanted = match &arguments.from {
+        Some(source) => take_over(source, arguments).map(|()| false)?,
         None => write_first_rig(arguments)?,
-    }
-    patterns(arguments)?;
+    };
+    patterns(arguments, wanted || arguments.show)?;
     if !arguments.json {
         next_steps(arguments);
     }
@@ -63,8 +63,9 @@ fn take_over(source: &str, arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Asks for values that the options leave open, and writes the rig.
-fn write_first_rig(arguments: &Arguments) -> Result<(), Failure> {
+/// Asks for values that the options leave open, and writes the rig. Returns whether the user then
+/// wants to see its patterns.
+fn write_first_rig(arguments: &Arguments) -> Result<bool, Failure> {
     let mut notes = Vec::new();
     let found = match Monitors::find(arguments.xrandr.as_deref()) {
         Ok(found) => found,
@@ -79,7 +80,10 @@ fn write_first_rig(arguments: &Arguments) -> Result<(), Failure> {
         true => Questions::of(stdin.lock(), std::io::stderr()),
         false => Questions::none(),
     };
+    let asks = stdin.is_terminal() && arguments.xrandr.is_none() && arguments.monitors.is_empty() && found.0.len() > 1;
+    let names = asks.then(|| found.show_names());
     let monitors = questions.monitors(arguments, &found)?;
+    drop(names);
     let room = questions.room(arguments)?;
     let outputs = questions.outputs(arguments, &room, &monitors, &mut notes)?;
     let name = arguments.file.file_stem().unwrap_or_default().to_string_lossy();
@@ -94,11 +98,12 @@ fn write_first_rig(arguments: &Arguments) -> Result<(), Failure> {
             "notes": notes,
         });
         println!("{answer:#}");
-        return Ok(());
+        return Ok(false);
     }
     notes.iter().for_each(|note| eprintln!("cupola: {note}"));
     println!("{}: outputs: {}", arguments.file.display(), outputs.len());
-    Ok(())
+    let is_open = arguments.patterns.is_none() && !arguments.show && std::env::var_os("DISPLAY").is_some();
+    if is_open { questions.shows_patterns() } else { Ok(false) }
 }
 
 /// Fails, and writes nothing, if `cupola check` would refuse the rig.
@@ -123,11 +128,11 @@ fn without_line(message: &str) -> &str {
     rest.trim_start_matches(|c: char| c == ':' || c.is_ascii_digit()).trim_start()
 }
 
-/// Writes and shows the requested numbered patterns.
-fn patterns(arguments: &Arguments) -> Result<(), Failure> {
-    if arguments.patterns.is_some() || arguments.show {
+/// Writes numbered patterns if that is requested, and shows them if `shown`.
+fn patterns(arguments: &Arguments, shown: bool) -> Result<(), Failure> {
+    if arguments.patterns.is_some() || shown {
         let rig = arguments.file.display().to_string();
-        pattern::run(&pattern::Arguments::numbered(rig, arguments.patterns.clone(), arguments.show))?;
+        pattern::run(&pattern::Arguments::numbered(rig, arguments.patterns.clone(), shown))?;
     }
     Ok(())
 }

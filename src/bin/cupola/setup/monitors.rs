@@ -1,8 +1,13 @@
 //! Monitors, as `xrandr` lists them.
 
+use crate::canvas::{Canvas, Letters};
+use crate::window::presenter::{Filled, Presenter};
 use serde_json::json;
 use std::path::Path;
 use std::process::{Command, Stdio};
+
+/// Width and height of the window with a monitor's name, pixels.
+const NAME: (u32, u32) = (400, 120);
 
 /// A monitor with a picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -47,6 +52,27 @@ impl Monitors {
         let apart = |a: &[i64; 4], b: &[i64; 4]| (0..2).any(|i| a[i] + a[i + 2] <= b[i] || b[i] + b[i + 2] <= a[i]);
         let all_apart = windows.iter().enumerate().all(|(i, a)| windows[..i].iter().all(|b| apart(a, b)));
         all_apart.then_some(windows)
+    }
+
+    /// Shows on each monitor its name in the middle, as long as the result lives. Names that cannot
+    /// be shown are left out: they are only a help.
+    pub fn show_names(&self) -> Vec<Presenter> {
+        let shown = |monitor: &Monitor| {
+            let middle = |axis: usize| {
+                let (corner, size) = [(monitor.corner.0, monitor.size.0), (monitor.corner.1, monitor.size.1)][axis];
+                i16::try_from(corner + (i64::from(size) - i64::from([NAME.0, NAME.1][axis])) / 2).ok()
+            };
+            let filled = Filled::Picture { x: middle(0)?, y: middle(1)? };
+            let mut presenter = Presenter::open(None, &filled).ok()?;
+            let mut picture = Canvas::new(NAME.0 as usize, NAME.1 as usize, [0.1, 0.1, 0.2]);
+            let centre = [f64::from(NAME.0) / 2.0, f64::from(NAME.1) / 2.0];
+            picture.heading(&monitor.name, centre, Letters::Large, [1.0, 1.0, 1.0]);
+            let rgba: Vec<u8> =
+                picture.bytes().chunks(3).flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255]).collect();
+            presenter.show(NAME, &rgba).ok()?;
+            Some(presenter)
+        };
+        self.0.iter().filter_map(shown).collect()
     }
 
     /// Description as JSON.

@@ -143,6 +143,17 @@ impl<'a> Questions<'a> {
         Ok(Place { azimuth, distance, height, fov: throw.map(field_of_throw), ..Place::default() })
     }
 
+    /// Asks whether the patterns of the new rig are shown; not without a user.
+    pub fn shows_patterns(&mut self) -> Result<bool, Failure> {
+        let question = "Show the patterns with the projectors' numbers now? A key closes them (yes, no)";
+        let answer = self.ask(question, Some("yes"), |text| match text {
+            "yes" | "y" => Ok(true),
+            "no" | "n" => Ok(false),
+            _ => Err("expected yes or no".to_owned()),
+        })?;
+        Ok(answer.unwrap_or(false))
+    }
+
     /// Prints a message, if there is a user.
     fn tell(&mut self, words: &str) -> Result<(), Failure> {
         match &mut self.0 {
@@ -249,11 +260,12 @@ mod tests {
     #[test]
     fn what_is_open_is_asked_until_it_can_be_read() {
         let (mut words, arguments, mut notes) = (Vec::new(), arguments(&["--tilt", "20"]), Vec::new());
-        let typed = "DP-3\nDP-2,DP-1\n8,5\n8.5\n\n2\n\n\n\n0.5\n10\n3\n0.2\n\n";
+        let typed = "DP-3\nDP-2,DP-1\n8,5\n8.5\n\n2\n\n\n\n0.5\n10\n3\n0.2\n\nmaybe\nno\n\n";
         let mut questions = Questions::of(typed.as_bytes(), &mut words);
         let monitors = questions.monitors(&arguments, &two()).unwrap();
         let room = questions.room(&arguments).unwrap();
         let outputs = questions.outputs(&arguments, &room, &monitors, &mut notes).unwrap();
+        assert!(!questions.shows_patterns().unwrap() && questions.shows_patterns().unwrap());
         drop(questions);
         let words = String::from_utf8(words).unwrap();
         assert!(words.contains("no monitor \"DP-3\"; DP-1, DP-2") && words.contains("decimal sign"), "{words}");
@@ -286,6 +298,7 @@ mod tests {
         let mut questions = Questions::none();
         let room = questions.room(&given).unwrap();
         let outputs = questions.outputs(&given, &room, &two(), &mut notes).unwrap();
+        assert!(!questions.shows_patterns().unwrap());
         assert!(outputs.iter().all(|output| output.window.is_none() && output.size == Some(USUAL_SIZE)));
         assert!(notes[0].contains("2 monitors for 3 outputs"), "{notes:?}");
     }
