@@ -10,6 +10,7 @@ use std::process::Command;
 tests! {
     two_recordings_are_equal,
     an_interrupted_recording_goes_on,
+    pictures_are_shown_as_long_as_the_program_shows_them,
     several_outputs_have_a_folder_each,
     a_range_has_the_frames_of_the_whole_recording,
     files_of_16_bits_and_open_exr,
@@ -85,6 +86,27 @@ fn an_interrupted_recording_goes_on() {
     let Some(finished) = record(&parts, FRAMES, &["--clock-start", "2010-01-01"]) else { return };
     assert!(!finished.succeeded() && finished.words().contains("shows another picture"), "{}", finished.words());
     assert!(before == files(&parts));
+}
+
+/// A program that limits itself to 30 pictures a second plays at its speed in a film of 60.
+fn pictures_are_shown_as_long_as_the_program_shows_them() {
+    let folder = scratch("slow");
+    let options = ["--name", "Show", "--frames", "12"];
+    let run = |mode: &'static [&'static str]| Run { frames: 100, size: (96, 96), extra: mode, ..Run::new("by_time") };
+    let Some(finished) = record_run(&folder.join("free"), &run(&[]), &options) else { return };
+    finished.expect_success();
+    let Some(finished) = record_run(&folder.join("slow"), &run(&["--mode", "limit"]), &options) else { return };
+    finished.expect_success();
+    let [free, slow] = ["free", "slow"].map(|name| files(&folder.join(name)).into_values().collect::<Vec<_>>());
+    assert_eq!((free.len(), slow.len()), (12, 12));
+    let changes = |pictures: &[Vec<u8>]| pictures.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    assert_eq!((changes(&free), changes(&slow)), (11, 5));
+    // The part from frame 6 on has the picture that began before it.
+    let part = folder.join("part");
+    let options = ["--name", "Show", "--from", "6", "--to", "9"];
+    let Some(finished) = record_run(&part, &run(&["--mode", "limit"]), &options) else { return };
+    finished.expect_success();
+    assert!(files(&part).into_values().eq(slow[5..9].iter().cloned()), "a part differs from the whole recording");
 }
 
 fn several_outputs_have_a_folder_each() {

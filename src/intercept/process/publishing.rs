@@ -25,8 +25,8 @@ struct Publishing {
     /// Frames of other windows since the last frame of the published one.
     of_others: u32,
     left_out: u64,
-    /// Number of frames of the published window that came before the first published one.
-    before: u64,
+    /// Time of the first frame that was presented, nanoseconds.
+    first: Option<u64>,
     pace: Pace,
 }
 
@@ -56,14 +56,19 @@ static PUBLISHING: Mutex<Publishing> = Mutex::new(Publishing {
     window: None,
     of_others: 0,
     left_out: 0,
-    before: 0,
+    first: None,
     pace: Pace { last: None },
 });
 
 /// Returns the numbers of the frame that is presented now. `version`: that of the rig that it
 /// shows.
 pub fn stamp(index: u64, version: u64) -> Stamp {
-    Stamp { index, time: clock::time().unwrap_or_else(crate::system::monotonic), rig: live::text_sum(version) }
+    Stamp { index, time: time(), rig: live::text_sum(version) }
+}
+
+/// The program's time, or real time without a virtual clock, nanoseconds.
+fn time() -> u64 {
+    clock::time().unwrap_or_else(crate::system::monotonic)
 }
 
 /// True if this frame of a window is published. `version`: that of the rig that the frame shows.
@@ -81,9 +86,12 @@ pub fn wants(window: u64, version: u64) -> bool {
         }
     }
     (publishing.window, publishing.of_others) = (Some(window), 0);
-    if publishing.before + 1 < settings.publish_from {
-        publishing.before += 1;
-        return false;
+    if settings.publish_from > 0 {
+        let time = time();
+        let first = *publishing.first.get_or_insert(time);
+        if time > first && time < first + settings.publish_from {
+            return false;
+        }
     }
     let (now, least) = (crate::system::monotonic(), settings.publish_interval);
     // The last frame before a program's time is held is published, whoever has read the others.

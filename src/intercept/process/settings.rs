@@ -56,7 +56,8 @@ pub struct Settings {
     pub publish: Option<PathBuf>,
     /// `CUPOLA_PUBLISH_WAIT=1`: the program waits for the readers, which then lose no picture.
     pub publish_waits: bool,
-    /// `CUPOLA_PUBLISH_FROM=N`: frames before this one are not published.
+    /// `CUPOLA_PUBLISH_FROM=N`: the first frame is published, and those that come N nanoseconds of
+    /// the program's time after it, or later.
     pub publish_from: u64,
     /// `CUPOLA_PUBLISH_DEPTH=16`: the published pictures have 16 bits for each colour.
     pub publish_deep: bool,
@@ -138,7 +139,7 @@ fn read() -> crate::Result<Settings> {
         publish: publish_path(&rig),
         publish_interval: parsed("CUPOLA_PUBLISH_RATE", "30", parse_interval)?.unwrap_or(0),
         publish_waits: text("CUPOLA_PUBLISH_WAIT").is_some_and(|v| v == "1"),
-        publish_from: parsed("CUPOLA_PUBLISH_FROM", "100", |n| n.parse().ok())?.unwrap_or(1),
+        publish_from: parsed("CUPOLA_PUBLISH_FROM", "1000000000", |n| n.parse().ok())?.unwrap_or(0),
         publish_deep: parsed("CUPOLA_PUBLISH_DEPTH", "16", parse_depth)?.unwrap_or(false),
         domemaster,
         place,

@@ -147,7 +147,7 @@ impl One {
 }
 
 impl Sink for Receivers {
-    fn take(&mut self, number: u64, pictures: &[Picture]) -> Result<(), Failure> {
+    fn take(&mut self, number: u64, pictures: &[Picture], _again: bool) -> Result<(), Failure> {
         if self.receivers.is_empty() {
             self.receivers =
                 pictures.iter().map(|picture| self.start(picture, pictures.len() > 1)).collect::<Result<_, _>>()?;
@@ -156,6 +156,10 @@ impl Sink for Receivers {
             return Err(Failure::new("the number of outputs changed, which a film does not allow"));
         }
         self.receivers.iter_mut().zip(pictures).try_for_each(|(one, picture)| one.add(picture, number - 1))
+    }
+
+    fn resumed(&self) -> &'static str {
+        "a film begins anew; pictures (without --film and --pipe) can be continued"
     }
 
     fn finish(&mut self) -> Result<String, Failure> {

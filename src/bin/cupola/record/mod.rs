@@ -33,7 +33,7 @@ const ASK: Duration = Duration::from_secs(1);
 #[command(after_help = "\
 The program has the virtual clock and waits for each picture to be written: a film plays at FPS, however long its
 frames take. Pictures are DIR/NAME_000001.png and so on; several outputs have a folder each, DIR/OUTPUT. The same
-command goes on with a recording that was interrupted.")]
+command goes on with pictures that were interrupted; a film begins anew.")]
 pub struct Arguments {
     #[command(flatten)]
     options: Options,
@@ -75,10 +75,13 @@ pub struct Arguments {
 
 /// Destination of a recording's pictures.
 trait Sink: Send {
-    /// Takes the pictures of frame `number`, counted from 1.
-    fn take(&mut self, number: u64, pictures: &[Picture]) -> Result<(), Failure>;
+    /// Takes the pictures of frame `number`, counted from 1. `again`: they are those of the frame
+    /// before.
+    fn take(&mut self, number: u64, pictures: &[Picture], again: bool) -> Result<(), Failure>;
     /// Ends the recording. Returns a message for the user.
     fn finish(&mut self) -> Result<String, Failure>;
+    /// What the same command does with a recording that was interrupted.
+    fn resumed(&self) -> &'static str;
 }
 
 /// Moment of a recording.
@@ -145,7 +148,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         }
     };
     options.frames = Some(first.saturating_add(frames - 1));
-    options.published_from = (first > 1).then_some(first);
+    options.published_from = (first > 1).then(|| Timing::new(fps).begin_of(first).saturating_sub(LEAD));
     if options.clock.clock.is_some() {
         return Err(Failure::usage("--clock: a recording has the clock of its --fps; leave this option out"));
     }
@@ -167,13 +170,15 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         None => Box::new(numbered::Folder::new(&out, name, numbered::Kind::new(depth, exr), first)),
         Some(taker) => Box::new(film::Receivers::new(&out, name, taker, fps)),
     };
-    let has_ended = AtomicBool::new(false);
+    let (has_ended, is_stopped) = (AtomicBool::new(false), AtomicBool::new(false));
     std::thread::scope(|scope| {
-        let recorder = Recorder { ring: &ring, out: &out, frames, has_ended: &has_ended, sink };
+        let timing = Timing::new(fps);
+        let recorder = Recorder { ring: &ring, out: &out, first, frames, has_ended: &has_ended, sink, timing };
         let recording = scope.spawn(|| {
             let result = recorder.record();
-            if result.is_err() {
-                // Later frames of the program would be lost.
+            // Later frames of the program would be lost, or are not wanted.
+            if result.as_ref().map_or(true, |(_, is_drawing)| *is_drawing) {
+                is_stopped.store(result.is_ok(), Ordering::SeqCst);
                 process::stop_foreground();
             }
             result
@@ -185,9 +190,9 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         // A program that cannot be started is the reason for an empty recording.
         let code = code?;
         match recorded {
-            Ok(words) => {
+            Ok((words, _)) => {
                 eprintln!("cupola: {words}");
-                Ok(code)
+                Ok(if is_stopped.load(Ordering::SeqCst) { ExitCode::SUCCESS } else { code })
             }
             Err(failure) => Err(failure),
         }
@@ -205,12 +210,54 @@ fn own_ring() -> PathBuf {
     folder.join(format!("{name}{}", std::process::id()))
 }
 
+/// Time before a part of a recording from which the program's pictures are read: its first frame
+/// may still show one of them.
+const LEAD: u64 = 1_000_000_000;
+
+/// Places pictures on the frames of the recording by the program's time.
+///
+/// A program may draw fewer pictures than the recording has frames: it limits its rate, or sleeps.
+/// Each picture is shown until the next one comes, as on a display of this rate.
+#[derive(Clone, Debug)]
+struct Timing {
+    rate: Rate,
+    /// Time of the first picture, nanoseconds.
+    first: Option<u64>,
+    /// Frame of the last picture, from 1.
+    last: u64,
+}
+
+impl Timing {
+    fn new(rate: Rate) -> Self {
+        Self { rate, first: None, last: 0 }
+    }
+
+    /// Nanoseconds from frame 1 to the beginning of this frame.
+    fn begin_of(&self, frame: u64) -> u64 {
+        let scaled = u128::from(frame.saturating_sub(1)) * u128::from(self.rate.seconds) * 1_000_000_000;
+        u64::try_from(scaled / u128::from(self.rate.frames.max(1))).unwrap_or(u64::MAX)
+    }
+
+    /// Frame that first shows the next picture, which the program presented at this time: the
+    /// nearest one, but a later one than that of the picture before.
+    fn frame(&mut self, time: u64) -> u64 {
+        let passed = u128::from(time.saturating_sub(*self.first.get_or_insert(time)));
+        let length = u128::from(self.rate.seconds) * 1_000_000_000;
+        let nearest = (passed * u128::from(self.rate.frames) + length / 2) / length.max(1);
+        self.last = u64::try_from(nearest).unwrap_or(u64::MAX).saturating_add(1).max(self.last + 1);
+        self.last
+    }
+}
+
 struct Recorder<'a> {
     ring: &'a Path,
     out: &'a Path,
+    /// First frame of the recording, from 1.
+    first: u64,
     frames: u64,
     has_ended: &'a AtomicBool,
     sink: Box<dyn Sink>,
+    timing: Timing,
 }
 
 impl Recorder<'_> {
@@ -230,14 +277,13 @@ impl Recorder<'_> {
         }
     }
 
-    /// Reads and writes all frames. Returns a message for the user.
-    fn record(mut self) -> Result<String, Failure> {
+    /// Reads and writes all frames. Returns a message for the user, and whether the program goes on
+    /// drawing.
+    fn record(mut self) -> Result<(String, bool), Failure> {
         let mut reader = self.open()?;
-        let mut frame = Frame::default();
-        let bar = terminal::progress(self.frames, "frames");
-        let begin = Instant::now();
-        let mut asked = None;
-        let mut taken = 0;
+        let (mut frame, mut before) = (Frame::default(), Frame::default());
+        let mut progress = Progress::new(self.frames, self.out);
+        let (mut read, mut taken) = (0, 0);
         while taken < self.frames {
             match reader.next(LOOK, &mut frame)? {
                 Next::Nothing if self.has_ended.load(Ordering::SeqCst) => break,
@@ -245,28 +291,64 @@ impl Recorder<'_> {
                 Next::Ended => break,
                 Next::Frame => {}
             }
-            if reader.lost() > 0 || frame.number != taken {
-                return Err(Failure::new(format!("frame {} could not be read, and is missing", taken + 1)));
+            if reader.lost() > 0 || frame.number != read {
+                return Err(Failure::new(format!("picture {} could not be read, and is missing", read + 1)));
             }
-            taken += 1;
-            self.sink.take(taken, &frame.pictures)?;
-            bar.set_position(taken);
-            if asked.is_none_or(|asked: Instant| asked.elapsed() > ASK) {
-                asked = Some(Instant::now());
-                let free =
-                    system::free_bytes(self.out).map_or_else(|_| "?".into(), |free| HumanBytes(free).to_string());
-                let rate = taken as f64 / begin.elapsed().as_secs_f64().max(1e-6);
-                bar.set_message(format!("frames, {rate:.1} in a second, {free} free, to go:"));
+            read += 1;
+            // Counted from the first frame of the recording; 0 and below: before it.
+            let number = i128::from(self.timing.frame(frame.time)) - i128::from(self.first) + 1;
+            // The picture before is shown until this one comes.
+            while i128::from(taken) + 1 < number && taken < self.frames {
+                taken += 1;
+                self.sink.take(taken, &before.pictures, taken > 1)?;
+                progress.show(taken);
             }
+            if number > 0 && taken < self.frames {
+                taken += 1;
+                self.sink.take(taken, &frame.pictures, false)?;
+                progress.show(taken);
+            }
+            std::mem::swap(&mut frame, &mut before);
         }
-        bar.finish_and_clear();
+        progress.bar.finish_and_clear();
         if taken < self.frames {
             let reached = format!("the program ended after {taken} of {} frames", self.frames);
-            return Err(Failure::new(format!("{reached}; the same command goes on with this recording")));
+            return Err(Failure::new(format!("{reached}; {}", self.sink.resumed())));
         }
         let words = self.sink.finish()?;
-        let rate = taken as f64 / begin.elapsed().as_secs_f64().max(1e-6);
-        Ok(format!("{words}, {rate:.1} frames in a second"))
+        Ok((
+            format!("{words}, {:.1} frames in a second", progress.rate(taken)),
+            before.index < self.first - 1 + self.frames,
+        ))
+    }
+}
+
+/// Bar that shows how far a recording is.
+struct Progress<'a> {
+    bar: indicatif::ProgressBar,
+    begin: Instant,
+    /// Time at which the free space was last asked for.
+    asked: Option<Instant>,
+    out: &'a Path,
+}
+
+impl<'a> Progress<'a> {
+    fn new(frames: u64, out: &'a Path) -> Self {
+        Self { bar: terminal::progress(frames, "frames"), begin: Instant::now(), asked: None, out }
+    }
+
+    /// Frames in a second.
+    fn rate(&self, taken: u64) -> f64 {
+        taken as f64 / self.begin.elapsed().as_secs_f64().max(1e-6)
+    }
+
+    fn show(&mut self, taken: u64) {
+        self.bar.set_position(taken);
+        if self.asked.is_none_or(|asked| asked.elapsed() > ASK) {
+            self.asked = Some(Instant::now());
+            let free = system::free_bytes(self.out).map_or_else(|_| "?".into(), |free| HumanBytes(free).to_string());
+            self.bar.set_message(format!("frames, {:.1} in a second, {free} free, to go:", self.rate(taken)));
+        }
     }
 }
 
@@ -279,6 +361,25 @@ fn file_name(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Frames that show pictures of these times, milliseconds.
+    fn frames(times: &[u64]) -> Vec<u64> {
+        let mut timing = Timing::new(Rate { frames: 50, seconds: 1 });
+        times.iter().map(|time| timing.frame(5_000_000_000 + 1_000_000 * time)).collect()
+    }
+
+    #[test]
+    fn pictures_are_shown_at_their_times() {
+        assert_eq!(frames(&[0, 20, 40, 60]), [1, 2, 3, 4]);
+        // The first picture came a bit after a frame's beginning.
+        assert_eq!(frames(&[9, 20, 40, 60]), [1, 2, 3, 4]);
+        // 25 pictures in a second, and 40.
+        assert_eq!(frames(&[0, 40, 80, 120]), [1, 3, 5, 7]);
+        assert_eq!(frames(&[0, 25, 50, 75, 100]), [1, 2, 4, 5, 6]);
+        assert_eq!(frames(&[0, 0, 0]), [1, 2, 3]);
+        let television = Timing::new(Rate { frames: 60_000, seconds: 1001 });
+        assert_eq!((television.begin_of(1), television.begin_of(60_001)), (0, 1_001_000_000_000));
+    }
 
     #[test]
     fn moments_are_frames_or_times() {

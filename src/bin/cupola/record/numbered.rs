@@ -93,7 +93,7 @@ impl Folder {
 }
 
 impl Sink for Folder {
-    fn take(&mut self, number: u64, pictures: &[Picture]) -> Result<(), Failure> {
+    fn take(&mut self, number: u64, pictures: &[Picture], again: bool) -> Result<(), Failure> {
         if self.first_missing == 0 {
             self.begin(pictures)?;
         }
@@ -105,6 +105,12 @@ impl Sink for Folder {
         }
         for picture in pictures {
             let file = self.file(number, picture, pictures.len() > 1);
+            if again && !is_compared {
+                let before = self.file(number - 1, picture, pictures.len() > 1);
+                let bytes = std::fs::read(&before).map_err(|error| failed(&before, &error))?;
+                write_whole(&file, &bytes).map_err(|error| failed(&file, &error))?;
+                continue;
+            }
             let bytes = self.kind.file(picture);
             let bytes = bytes.map_err(|error| Failure::new(format!("{}: {error}", file.display())))?;
             if is_compared {
@@ -122,6 +128,10 @@ impl Sink for Folder {
         }
         self.written += u64::from(!is_compared);
         Ok(())
+    }
+
+    fn resumed(&self) -> &'static str {
+        "the same command goes on with this recording"
     }
 
     fn finish(&mut self) -> Result<String, Failure> {

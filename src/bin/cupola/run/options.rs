@@ -68,7 +68,8 @@ pub struct Options {
     /// True if the program waits for the readers of its pictures, and ends with this command.
     #[arg(skip)]
     pub waits_for_readers: bool,
-    /// First frame that is published, from 1.
+    /// Nanoseconds of the program's time after its first frame, before which no other frame is
+    /// published.
     #[arg(skip)]
     pub published_from: Option<u64>,
     /// True if the published pictures have 16 bits for each colour.
