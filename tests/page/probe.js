@@ -185,15 +185,26 @@ window.probe = (() => {
     // All changes are near the first values, so that the memory of later rigs is comparable.
     probe.firstKeys ??= await command({ do: 'keys' });
     const start = probe.firstKeys;
-    const gentle = start.filter(key => key.type === 'number' && !key.count && key.value !== null && /\.(yaw|pitch|roll)$/.test(key.key) ||
-      /\.blend\.(gamma|ramp)$|^viewer\.position$|^views\.quality$/.test(key.key));
-    const right = key => {
-      if (/gamma$/.test(key.key)) return 1.8 + random();
-      if (/ramp$/.test(key.key)) return 0.05 + 0.4 * random();
-      if (/quality$/.test(key.key)) return 0.5 + random();
-      if (/position$/.test(key.key)) return `[${[0, 0, 0].map(() => (0.4 * random() - 0.2).toFixed(3)).join(', ')}]`;
-      return key.value + 6 * random() - 3;
-    };
+    const near = (value, by) => Array.isArray(value) ? `[${value.map(each => (each + by * (2 * random() - 1)).toFixed(4)).join(', ')}]` : value + by * (2 * random() - 1);
+    // Kinds of keys, with a value near the first one.
+    const kinds = [
+      [/^output\..*\.(yaw|pitch|roll)$|^(viewer|overlay|camera)\.(yaw|pitch|roll)$|^dome\.tilt$/, key => near(key.value ?? 0, 3)],
+      [/^output\.[^.]*\.position$|^viewer\.position$/, key => near(key.value ?? [0, 0, 0], 0.1)],
+      [/^output\.[^.]*\.fov$/, key => near(key.value, 2)],
+      [/\.shift$/, () => near([0, 0], 0.05)],
+      [/\.distortion\.radial$/, () => near([0, 0, 0], 0.001)],
+      [/^dome\.radius$/, key => near(key.value, 0.1)],
+      [/^dome\.coverage$/, () => 170 + 10 * random()],
+      [/gamma$/, () => 1.8 + random()],
+      [/ramp$/, () => 0.05 + 0.4 * random()],
+      [/blend\.contrast$/, () => 500 + 2000 * random()],
+      [/even_light$/, () => 0.1 * random()],
+      [/^overlay\.width$/, () => 40 + 20 * random()],
+      [/^views\.quality$/, () => 0.5 + random()],
+    ];
+    const kindOf = key => kinds.find(([name]) => name.test(key.key));
+    const gentle = start.filter(key => key.type === 'number' && kindOf(key));
+    const right = key => kindOf(key)[1](key);
     const wrong = () => one([
       () => `${one(gentle).key}=${one(['1e300', '-1e300', 'nan', '"text"', '[1, 2', '', 'true', '{ a = 1 }'])}`,
       () => `output.nobody.yaw=${random()}`,
