@@ -25,7 +25,8 @@
  *    it adds 1 to TAKEN, and wakes it.
  * 5. looks at STATE of the header when it has read everything. REPLACED: the sizes have changed. A new
  *    file has this file's name, and in it the reader's entry has the state EXPECTED: the reader takes the
- *    lock there and sets the state to ACTIVE, without changing CURSOR. ENDED: the program has ended. If
+ *    lock there and sets the state to ACTIVE, without changing CURSOR; if there is no file any more, the
+ *    program has ended. ENDED: the program has ended. If
  *    nobody has the lock on the first byte of WRITER_LOCK, it has died without setting STATE.
  * 6. at the end sets its STATE to FREE, releases the lock, adds 1 to TAKEN, and wakes it.
  *

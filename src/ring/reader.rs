@@ -178,6 +178,8 @@ impl Reader {
                 // Frames that were published before the end are still read.
                 _ if value(&self.memory, header::PUBLISHED) > cursor => continue,
                 OPEN => {}
+                // The program has removed the next file meanwhile: it ended.
+                REPLACED if !self.path.exists() => return Ok(Next::Ended),
                 REPLACED => {
                     self.follow()?;
                     continue;

@@ -214,6 +214,33 @@ fn a_live_ring_that_changes_its_size_counts_on() {
 }
 
 #[test]
+fn a_change_of_size_just_before_the_end_loses_nothing_offline() {
+    for waits in [true, false] {
+        let path = path(&format!("changed-at-the-end-{waits}"));
+        let mut writer = Writer::create(&path, &shapes(&[(5, 5)]), 3, waits).expect("a ring");
+        let (mut reader, mut frame) = (Reader::open(&path).expect("a reader"), Frame::default());
+        publish(&mut writer, 1);
+        writer.reshape(&shapes(&[(6, 2)])).expect("a new file");
+        publish(&mut writer, 2);
+        let ending = std::thread::spawn(|| writer.end());
+        if !waits {
+            ending.join().expect("ended");
+        }
+        // A slow reader: the program has called `end` before the first frame is read.
+        std::thread::sleep(Duration::from_millis(50));
+        let mut seen = Vec::new();
+        let end = loop {
+            match reader.next(SOON, &mut frame).expect("whole") {
+                Next::Frame => seen.push(frame.index),
+                other => break other,
+            }
+        };
+        let expected: &[u64] = if waits { &[1, 2] } else { &[1] };
+        assert_eq!((end, &seen[..]), (Next::Ended, expected), "waits: {waits}");
+    }
+}
+
+#[test]
 fn whoever_ends_without_a_word_blocks_nobody() {
     let path = path("killed");
     let mut writer = Writer::create(&path, &shapes(&[(2, 2)]), 3, true).expect("a ring");

@@ -309,11 +309,17 @@ impl Writer {
         self.memory.wake(header::PUBLISHED);
     }
 
-    /// Announces to readers that the program ends, and removes the file. Does nothing in a copy of
-    /// the process that `fork` made: the file is not its own.
+    /// Announces to readers that the program ends, and removes the file. If the program waits for
+    /// its readers, those that still read the file before come to this one first. Does nothing in a
+    /// copy of the process that `fork` made: the file is not its own.
     pub fn end(self) {
         if value(&self.memory, header::PROCESS) != u64::from(std::process::id()) {
             return;
+        }
+        if self.waits && self.before.is_some() {
+            self.wait_for_readers(Some(Instant::now() + FOR_THE_LAST), |reader| {
+                reader.is_active().load(Ordering::Acquire) != EXPECTED
+            });
         }
         self.finish(ENDED);
         // The file may be gone already, which is no error.
@@ -325,6 +331,9 @@ impl Writer {
 fn replace(word: &AtomicU64, old: u64, new: u64) -> bool {
     word.compare_exchange(old, new, Ordering::AcqRel, Ordering::Relaxed).is_ok()
 }
+
+/// Longest time that a program which ends waits for readers of its file before.
+const FOR_THE_LAST: Duration = Duration::from_secs(5);
 
 /// The pictures of the frame that is being written.
 pub struct Pictures<'a> {

@@ -342,7 +342,12 @@ impl Drop for Show {
 }
 
 fn stopped_and_killed_nodes_do_not_stop_the_others() {
-    let Some(show) = Show::start(3, &[], "by_time", &[]) else { return };
+    let Some(show) = Show::start(4, &[], "by_time", &[]) else { return };
+    // A program ends by a signal. Its command stays, and the others go on in step.
+    kill("KILL", show.nodes[3].program);
+    show.says("the program of node 3 has ended with an error: the others go on without it");
+    (0..3).for_each(|node| show.goes_on(node, 20));
+    assert!(Path::new(&format!("/proc/{}", show.nodes[3].sidecar)).exists(), "the command of node 3 has ended");
     let distance = |one: usize, other: usize| show.nodes[one].frame().abs_diff(show.nodes[other].frame());
     // A machine stops responding for two seconds: both the command and the program are stopped.
     kill("STOP", show.nodes[2].sidecar);
@@ -379,7 +384,12 @@ fn stopped_and_killed_nodes_do_not_stop_the_others() {
     show.says("node 2: this program has lost the other nodes");
     (0..3).for_each(|node| show.goes_on(node, 20));
     let words = show.words();
-    for said in ["node 2 has not reached", "node 2: the other nodes do not answer", "node 1: this program has lost"] {
+    for said in [
+        "the program of node 3 has ended",
+        "node 2 has not reached",
+        "node 2: the other nodes do not answer",
+        "node 1: this program has lost",
+    ] {
         assert_eq!(words.matches(said).count(), 1, "{said}:\n{words}");
     }
 }

@@ -11,8 +11,8 @@ pub const WORDS: usize = 6;
 pub enum Message {
     /// To node 0: the program is at the end of a frame.
     Arrived(Arrival),
-    /// To node 0: the program has ended.
-    Gone,
+    /// To node 0: the program has ended; `well`: by itself and without an error.
+    Gone { well: bool },
     /// From node 0: frames up to this number may be shown. `time` is the program's time after it; 0
     /// leaves it open.
     Release { frame: u64, time: u64 },
@@ -31,7 +31,7 @@ impl Message {
             Self::Arrived(Arrival { frame, digest, time, went, size: (width, height) }) => {
                 [1, frame, digest, time, went, u64::from(width) << 32 | u64::from(height)]
             }
-            Self::Gone => [2, 0, 0, 0, 0, 0],
+            Self::Gone { well } => [2, well.into(), 0, 0, 0, 0],
             Self::Release { frame, time } => [3, frame, time, 0, 0, 0],
             Self::End => [4, 0, 0, 0, 0, 0],
             Self::Over { is_clean } => [5, is_clean.into(), 0, 0, 0, 0],
@@ -47,7 +47,7 @@ impl Message {
         let [kind, frame, digest, time, went, size] = words;
         Some(match kind {
             1 => Self::Arrived(Arrival { frame, digest, time, went, size: ((size >> 32) as u32, size as u32) }),
-            2 => Self::Gone,
+            2 => Self::Gone { well: frame != 0 },
             3 => Self::Release { frame, time: digest },
             4 => Self::End,
             5 => Self::Over { is_clean: frame != 0 },
@@ -83,7 +83,8 @@ mod tests {
         let over = Message::Over { is_clean: true };
         let release = Message::Release { frame: 7, time: 8 };
         let input = Message::Input { frame: 9, event: Event::Shift { x: -1, y: 2 } };
-        for message in [Message::Arrived(arrival), Message::Gone, release, Message::End, over, input] {
+        let gone = Message::Gone { well: true };
+        for message in [Message::Arrived(arrival), gone, release, Message::End, over, input] {
             assert_eq!(Message::of(message.words()), Some(message));
         }
         assert_eq!(Message::of([9, 0, 0, 0, 0, 0]), None);

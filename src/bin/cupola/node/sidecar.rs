@@ -140,6 +140,9 @@ impl Sidecar {
         let mut is_clean = !shared.has_lost.load(Ordering::SeqCst);
         match &shared.head {
             Some(head) => {
+                if !well {
+                    say_failed(0);
+                }
                 shared.act(head.locked().gone(0, system::monotonic()));
                 let begin = Instant::now();
                 let is_over = |limit: Duration| head.locked().left() == 0 || begin.elapsed() > limit;
@@ -162,7 +165,7 @@ impl Sidecar {
                 shared.report(&head.locked(), summary);
             }
             None => {
-                shared.send(0, &[Message::Gone]);
+                shared.send(0, &[Message::Gone { well }]);
                 while shared.over.load(Ordering::SeqCst) == 0
                     && !shared.has_lost.load(Ordering::SeqCst)
                     && shared.silence() < SILENCE
@@ -176,6 +179,13 @@ impl Sidecar {
             link.close(is_clean);
         }
         shared.remove_page();
+    }
+}
+
+/// Says that a node's program has failed, unless the user ends all of them.
+fn say_failed(node: usize) {
+    if !process::end_was_asked_for() {
+        say(&format!("the program of node {node} has ended with an error: the others go on without it"));
     }
 }
 
@@ -229,7 +239,10 @@ impl Shared {
                 self.act(head.arrived(from, arrival, now));
                 self.look_at(&head, now);
             }
-            (Some(Message::Gone), Some(head)) => {
+            (Some(Message::Gone { well }), Some(head)) => {
+                if !well && !self.has_ended.load(Ordering::SeqCst) {
+                    say_failed(from);
+                }
                 let mut head = head.locked();
                 self.act(head.gone(from, now));
             }
