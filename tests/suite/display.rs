@@ -30,6 +30,20 @@ impl Display {
         let _ = Command::new("sh").args(["-c", &format!("kill -s KILL {}", self.process)]).status();
     }
 
+    /// Ends the server, and starts another one of the same name after `pause`.
+    pub fn restart(self, pause: Duration) -> Self {
+        let _ = Command::new("sh").args(["-c", &format!("kill -s TERM {}", self.process)]).status();
+        std::thread::sleep(pause);
+        let begin = Instant::now();
+        loop {
+            match start(24, Some(&self.name)) {
+                Ok(display) => return display,
+                Err(why) => assert!(begin.elapsed() < Duration::from_secs(20), "{why}"),
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
     /// Red, green and blue of the pixels at the upper left corner of the screen, row by row from the
     /// top.
     pub fn pixels(&self, size: (u32, u32)) -> Vec<[u8; 3]> {
@@ -67,6 +81,13 @@ impl Display {
             ..MonitorInfo::default()
         };
         connection.randr_set_monitor(root, monitor).expect("sent").check().expect("a monitor");
+    }
+
+    /// Removes a monitor, as `xrandr --delmonitor` does.
+    pub fn remove_monitor(&self, name: &str) {
+        let (connection, root) = self.connect();
+        let name = connection.intern_atom(true, name.as_bytes()).expect("sent").reply().expect("an atom").atom;
+        connection.randr_delete_monitor(root, name).expect("sent").check().expect("no monitor");
     }
 
     /// Covers a part of the screen with a window for a moment.
@@ -148,20 +169,21 @@ pub fn for_installed_programs() -> Option<&'static Display> {
 
 fn started(display: &'static OnceLock<Result<Display, String>>) -> Option<&'static Display> {
     let refused = |reason: &&String| missing(format_args!("no X server: {reason}"));
-    display.get_or_init(|| start(24)).as_ref().inspect_err(refused).ok()
+    display.get_or_init(|| start(24, None)).as_ref().inspect_err(refused).ok()
 }
 
 /// A separate server for programs that choose the place of their window. Its screen has `depth`
 /// bits per pixel (30: ten per colour). `None` if it cannot be started.
 pub fn own(depth: u32) -> Option<Display> {
     let refused = |reason: &String| missing(format_args!("no X server of {depth} bits: {reason}"));
-    start(depth).inspect_err(refused).ok()
+    start(depth, None).inspect_err(refused).ok()
 }
 
 /// The server ends by itself (`-terminate`) when its last client has gone. The connection of this
-/// process ends with this process.
-fn start(depth: u32) -> Result<Display, String> {
+/// process ends with this process. `name`: that of the display; `None`: any free one.
+fn start(depth: u32, name: Option<&str>) -> Result<Display, String> {
     let mut server = Command::new("Xvfb")
+        .args(name)
         .args(["-displayfd", "1", "-nolisten", "tcp", "-terminate", "-screen", "0"])
         .arg(format!("{}x{}x{depth}", PLACES.0 * PLACE.0, PLACES.1 * PLACE.1))
         .stdout(Stdio::piped())

@@ -147,19 +147,40 @@ fn outputs_on_two_screens_are_those_of_one_window() {
     let mirror = start(Command::new("sh").args(["-c", &pipe]));
     expect_pixels(&other, &seen[1], "the mirror");
     drop(mirror);
+    // A monitor is disconnected: its window closes.
+    other.add_monitor("DP-9", MONITOR, SIZE);
+    let mut command = window(&outputs[4].name, &other, &published);
+    let mut shown = start(command.args(["--monitor", "DP-9"]).stderr(Stdio::piped()));
+    let begin = Instant::now();
+    while other.pixels_at(MONITOR, SIZE).into_flattened() != seen[2] {
+        assert!(begin.elapsed() < Duration::from_secs(40), "the monitor does not show its output");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    other.remove_monitor("DP-9");
+    assert!(ends(&mut shown).contains("no monitor \"DP-9\""));
     // The screen is disconnected: its window ends with an error, and the program keeps running.
     let mut shown = start(window(&outputs[3].name, &other, &published).stderr(Stdio::piped()));
     expect_pixels(&other, &seen[1], "the output");
-    other.kill();
-    let status = shown.0.wait().expect("it ends");
+    let other = other.restart(Duration::from_millis(300));
+    assert!(ends(&mut shown).contains("the X screen"));
+    let mut reader = cupola::ring::Reader::open(&published).expect("the program publishes");
+    let mut frame = cupola::ring::Frame::default();
+    for _ in 0..10 {
+        let next = reader.next(Duration::from_secs(40), &mut frame).expect("whole");
+        assert_eq!(next, cupola::ring::Next::Frame, "the program does not draw on");
+    }
+    // The window that the program opened comes back with its screen.
+    expect_pixels(&other, &seen[0], "the output whose screen came back");
+    assert!(program.0.try_wait().expect("the state of the program can be read").is_none(), "the program has ended");
+}
+
+/// Waits for the end of a process that fails, and returns its messages.
+fn ends(process: &mut Running) -> String {
+    let status = process.0.wait().expect("it ends");
     let mut words = String::new();
-    std::io::Read::read_to_string(shown.0.stderr.as_mut().expect("a pipe"), &mut words).expect("text");
-    assert!(!status.success() && words.contains("the X screen"), "{status}: {words}");
-    std::thread::sleep(Duration::from_millis(300));
-    assert!(
-        program.0.try_wait().expect("the state of the program can be read").is_none(),
-        "the program has ended, too"
-    );
+    std::io::Read::read_to_string(process.0.stderr.as_mut().expect("a pipe"), &mut words).expect("text");
+    assert!(!status.success(), "{status}: {words}");
+    words
 }
 
 /// Corner of a monitor in the middle of a screen.

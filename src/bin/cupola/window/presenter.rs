@@ -4,7 +4,9 @@
 use crate::failure::Failure;
 use cupola::backend::gl::driver::glx;
 use cupola::rig::WindowSwaps;
+use std::cell::Cell;
 use std::fmt::Display;
+use std::time::{Duration, Instant};
 use x11rb::connection::{Connection, RequestConnection};
 use x11rb::protocol::Event;
 use x11rb::protocol::randr::ConnectionExt as _;
@@ -56,7 +58,12 @@ pub struct Presenter {
     filled: ((i16, i16), Option<(u16, u16)>),
     swaps: WindowSwaps,
     window: Option<Window>,
+    /// Monitor that the window fills, and the time at which its place was last asked for.
+    monitor: Option<(String, Cell<Instant>)>,
 }
+
+/// Interval at which the place of a monitor is asked for.
+const LOOK: Duration = Duration::from_secs(1);
 
 /// A window, with the object that draws into it.
 struct Window {
@@ -92,6 +99,10 @@ impl Presenter {
         if !is_usual {
             return Err(failed(&"its pixels are not of 24 bits for red, green and blue"));
         }
+        let on_monitor = match filled {
+            Filled::Monitor(name) => Some((name.clone(), Cell::new(Instant::now()))),
+            _ => None,
+        };
         let filled = match filled {
             Filled::Picture { x, y } => ((*x, *y), None),
             Filled::Screen => ((0, 0), Some((screen.width_in_pixels, screen.height_in_pixels))),
@@ -101,7 +112,7 @@ impl Presenter {
             }
         };
         drop(failed);
-        Ok(Self { connection, name, screen, filled, swaps: WindowSwaps::default(), window: None })
+        Ok(Self { connection, name, screen, filled, swaps: WindowSwaps::default(), window: None, monitor: on_monitor })
     }
 
     /// Lets an OpenGL driver show the pictures, with this swap interval and swap group. Without
@@ -238,11 +249,20 @@ impl Presenter {
     /// Waits until the screen has executed all requests.
     ///
     /// # Errors
-    /// The X server is gone.
+    /// The X server is gone, or the monitor is, or it has another place.
     pub fn wait(&self) -> Result<(), Failure> {
         let failed = failed(&self.name);
         let answer = self.connection.get_input_focus().map_err(|error| failed(&error))?;
-        answer.reply().map(|_| ()).map_err(|error| failed(&error))
+        answer.reply().map(|_| ()).map_err(|error| failed(&error))?;
+        let Some((wanted, asked)) = self.monitor.as_ref().filter(|(_, asked)| asked.get().elapsed() > LOOK) else {
+            return Ok(());
+        };
+        asked.set(Instant::now());
+        let (x, y, width, height) = monitor(&self.connection, &self.name, self.screen.root, wanted)?;
+        match self.filled == ((x, y), Some((width, height))) {
+            true => Ok(()),
+            false => Err(Failure::new(format!("the X screen {}: monitor {wanted} has another place", self.name))),
+        }
     }
 }
 
