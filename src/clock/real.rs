@@ -111,6 +111,73 @@ functions! {
     timerfd_gettime(file: c_int, time: *mut libc::itimerspec) -> c_int = fail(libc::ENOSYS);
 }
 
+/// Functions that programs call from handlers of signals, and before this library is prepared. The
+/// dynamic linker may be asked in neither place. Until [`prepare`], they are system calls.
+macro_rules! early {
+    ($($name:ident($($argument:ident: $kind:ty),*) -> $result:ty = $number:ident;)*) => {
+        #[allow(non_camel_case_types)]
+        #[derive(Clone, Copy)]
+        enum Early { $($name),* }
+
+        static EARLY: [AtomicUsize; [$(Early::$name),*].len()] = [$({ let _ = Early::$name; AtomicUsize::new(0) }),*];
+
+        /// Asks the dynamic linker for these functions.
+        pub fn prepare() {
+            $(
+                if let Ok(name) = CStr::from_bytes_with_nul(concat!(stringify!($name), "\0").as_bytes()) {
+                    next(&EARLY[Early::$name as usize], name);
+                }
+            )*
+        }
+
+        $(
+            /// As in libc.
+            ///
+            /// # Safety
+            /// As in libc.
+            pub unsafe fn $name($($argument: $kind),*) -> $result {
+                match EARLY[Early::$name as usize].load(Ordering::Relaxed) {
+                    // SAFETY: the system's call has these arguments; the caller promises the rest.
+                    0 => unsafe { direct(libc::$number, &[$($argument as usize),*]) as $result },
+                    // SAFETY: libc's function has this type; the caller promises the rest.
+                    address => unsafe {
+                        let function: unsafe extern "C-unwind" fn($($kind),*) -> $result = std::mem::transmute(address);
+                        function($($argument),*)
+                    },
+                }
+            }
+        )*
+    };
+}
+
+early! {
+    dup(file: c_int) -> c_int = SYS_dup;
+    dup2(file: c_int, new: c_int) -> c_int = SYS_dup3;
+    dup3(file: c_int, new: c_int, flags: c_int) -> c_int = SYS_dup3;
+    fcntl(file: c_int, command: c_int, argument: usize) -> c_int = SYS_fcntl;
+}
+
+/// A system call, without libc. Arguments that are not given are 0.
+///
+/// # Safety
+/// As the system call.
+unsafe fn direct(number: c_long, arguments: &[usize]) -> isize {
+    let [a, b, c] = [0, 1, 2].map(|index| arguments.get(index).copied().unwrap_or(0));
+    let answer: isize;
+    // SAFETY: as promised.
+    unsafe {
+        #[cfg(target_arch = "x86_64")]
+        std::arch::asm!("syscall", inlateout("rax") number as isize => answer, in("rdi") a, in("rsi") b, in("rdx") c,
+            lateout("rcx") _, lateout("r11") _, options(nostack));
+        #[cfg(target_arch = "aarch64")]
+        std::arch::asm!("svc 0", in("x8") number, inlateout("x0") a => answer, in("x1") b, in("x2") c, options(nostack));
+    }
+    match answer {
+        -4095..0 => fail(-answer as c_int) as isize,
+        answer => answer,
+    }
+}
+
 /// A time of the real monotonic clock, in nanoseconds.
 pub fn now() -> u64 {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };

@@ -8,7 +8,7 @@ use super::timeline::{self, moment, nanoseconds, seen, timespec, wait};
 use super::{random, reads, real, sleeps};
 use std::ffi::{c_int, c_long, c_void};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 interpose! {
@@ -58,7 +58,7 @@ fn wait_for_thread(deadline: u64, attempt: impl Fn(Time) -> c_int) -> c_int {
 }
 
 /// A thread that waits for a condition, until a moment.
-struct Waiting {
+pub struct Waiting {
     condition: usize,
     deadline: u64,
     is_late: Arc<AtomicBool>,
@@ -66,13 +66,18 @@ struct Waiting {
 
 static WAITING: Mutex<Vec<Waiting>> = Mutex::new(Vec::new());
 
+/// The threads that wait so.
+pub fn waiting() -> MutexGuard<'static, Vec<Waiting>> {
+    WAITING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Wakes threads that wait for a condition until `time` or earlier.
 pub fn wake(time: u64) {
-    for waiting in WAITING.lock().unwrap_or_else(PoisonError::into_inner).iter() {
-        if waiting.deadline <= time {
-            waiting.is_late.store(true, Ordering::Release);
+    for thread in waiting().iter() {
+        if thread.deadline <= time {
+            thread.is_late.store(true, Ordering::Release);
             // SAFETY: its thread waits for it until it is taken from the list.
-            unsafe { libc::pthread_cond_broadcast(waiting.condition as *mut libc::pthread_cond_t) };
+            unsafe { libc::pthread_cond_broadcast(thread.condition as *mut libc::pthread_cond_t) };
         }
     }
 }
@@ -93,10 +98,9 @@ unsafe fn wait_for_condition(
     let left = Duration::from_nanos(deadline.saturating_sub(seen()));
     let patience = if left.is_zero() || timeline::is_blocked() { Duration::ZERO } else { PATIENCE };
     let is_late = Arc::new(AtomicBool::new(false));
-    let list = || WAITING.lock().unwrap_or_else(PoisonError::into_inner);
-    list().push(Waiting { condition: condition as usize, deadline, is_late: is_late.clone() });
+    waiting().push(Waiting { condition: condition as usize, deadline, is_late: is_late.clone() });
     let answer = attempt(&real_end(left.saturating_add(patience)));
-    list().retain(|waiting| !Arc::ptr_eq(&waiting.is_late, &is_late));
+    waiting().retain(|thread| !Arc::ptr_eq(&thread.is_late, &is_late));
     match answer {
         0 if is_late.load(Ordering::Acquire) => libc::ETIMEDOUT,
         libc::ETIMEDOUT if seen() < deadline && !timeline::stands() => 0,

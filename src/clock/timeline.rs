@@ -6,7 +6,7 @@
 
 use super::page::{NEVER, Page};
 use super::settings::{page, settings};
-use super::{poll_and_timerfd, real, threads};
+use super::{files::timers, real, threads};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, AtomicU64, Ordering};
 use std::time::Duration;
@@ -21,7 +21,7 @@ const READS: u32 = 1000;
 /// Nanoseconds by which such a read advances it.
 const CREEP: u64 = 1000;
 /// Interval at which another thread checks whether the time that it waits for has come.
-const SLICE: Duration = Duration::from_millis(5);
+pub const SLICE: Duration = Duration::from_millis(5);
 /// Nanoseconds without a frame and without a wait of the drawing thread, after which other threads
 /// wait in real time.
 const STALLED: u64 = 5 * SECOND;
@@ -72,6 +72,15 @@ fn thread() -> libc::pid_t {
     })
 }
 
+/// Makes this process, a copy that `fork` has made, one with a clock of its own: it has only this
+/// thread, and nobody holds its time.
+pub fn begin_copy() {
+    ID.set(0);
+    THREAD.store(0, Ordering::Release);
+    BLOCKED.store(0, Ordering::Release);
+    IS_HELD.store(false, Ordering::Release);
+}
+
 /// True if this thread draws the frames.
 pub fn draws() -> bool {
     match THREAD.load(Ordering::Relaxed) {
@@ -104,10 +113,10 @@ pub fn seen() -> u64 {
             BLOCKED.store(real, Ordering::Release);
         }
     }
-    let extra = match (BLOCKED.load(Ordering::Acquire), GROWN.load(Ordering::Acquire)) {
-        (0, 0) => 0,
-        (0, grown) => real.saturating_sub(grown).saturating_sub(STALLED),
-        (blocked, _) => real.saturating_sub(blocked),
+    let extra = match (is_blocked(), GROWN.load(Ordering::Acquire)) {
+        (true, _) => blocked_for(real),
+        (false, 0) => 0,
+        (false, grown) => real.saturating_sub(grown).saturating_sub(STALLED),
     };
     LAST.with(|last| {
         last.set(last.get().max(now() + extra));
@@ -200,7 +209,7 @@ fn grow(time: u64) {
     NOW.fetch_max(time, Ordering::AcqRel);
     READ.store(0, Ordering::Relaxed);
     GROWN.store(real::now(), Ordering::Release);
-    poll_and_timerfd::fire(time);
+    timers::fire(time);
     threads::wake(time);
 }
 
@@ -288,6 +297,14 @@ pub fn is_blocked() -> bool {
     BLOCKED.load(Ordering::Acquire) != 0
 }
 
+/// Nanoseconds for which it has waited so, at this real time.
+fn blocked_for(real: u64) -> u64 {
+    match BLOCKED.load(Ordering::Acquire) {
+        0 => 0,
+        blocked => real.saturating_sub(blocked),
+    }
+}
+
 impl Drop for Blocked {
     fn drop(&mut self) {
         BLOCKED.store(0, Ordering::Release);
@@ -302,28 +319,54 @@ impl Drop for Blocked {
 pub fn wait<R>(
     deadline: Option<u64>,
     patience: Duration,
+    attempt: impl FnMut(Option<Duration>) -> Option<R>,
+) -> Option<R> {
+    wait_again(|| deadline, None, patience, attempt)
+}
+
+/// As [`wait`], for a deadline that another thread may move: after `again` of real time at the
+/// latest it is asked for again.
+pub fn wait_again<R>(
+    deadline: impl Fn() -> Option<u64>,
+    again: Option<Duration>,
+    patience: Duration,
     mut attempt: impl FnMut(Option<Duration>) -> Option<R>,
 ) -> Option<R> {
     let draws = draws();
-    let Some(deadline) = deadline else {
-        let _blocked = draws.then(Blocked::begin);
-        return attempt(None);
-    };
-    if draws {
-        let left = Duration::from_nanos(deadline.saturating_sub(now()));
-        let patience = if is_held_before(deadline) { HELD_WAIT } else { patience };
-        let came = attempt(Some(left.min(patience)));
-        if came.is_none() {
+    let mut blocked = None;
+    // The deadline, the real time at which the wait for it began, and how long it was to last then.
+    let mut known = None;
+    loop {
+        let Some(deadline) = deadline() else {
+            if draws && blocked.is_none() {
+                blocked = Some(Blocked::begin());
+            }
+            let came = attempt(again);
+            if came.is_some() || again.is_none() {
+                return came;
+            }
+            continue;
+        };
+        let real = real::now();
+        let left = deadline.saturating_sub(if draws { now() + blocked_for(real) } else { seen() });
+        let (begin, length) = match known {
+            Some((before, begin, length)) if before == deadline => (begin, length),
+            _ => (real, left),
+        };
+        known = Some((deadline, begin, length));
+        let (part, is_last) = if draws {
+            let patience = if is_held_before(deadline) { HELD_WAIT } else { patience };
+            let rest = Duration::from_nanos(length).min(patience).saturating_sub(Duration::from_nanos(real - begin));
+            (again.map_or(rest, |again| again.min(rest)), again.is_none_or(|again| rest <= again))
+        } else {
+            (Duration::from_nanos(left).min(SLICE), left == 0)
+        };
+        let came = attempt(Some(part));
+        let is_last = is_last || (!draws && stands() && real::now().saturating_sub(begin) >= length);
+        if draws && is_last && came.is_none() {
             grow(deadline);
         }
-        return came;
-    }
-    let (begin, length) = (real::now(), deadline.saturating_sub(seen()));
-    loop {
-        let left = Duration::from_nanos(deadline.saturating_sub(seen()));
-        let came = attempt(Some(left.min(SLICE)));
-        let is_over = left.is_zero() || (stands() && real::now().saturating_sub(begin) >= length);
-        if came.is_some() || is_over {
+        if came.is_some() || is_last {
             return came;
         }
     }

@@ -3,6 +3,7 @@
  * program draws nothing. It tells the clock itself when a frame ends.
  */
 #define _GNU_SOURCE
+#include "common/clock.h"
 #include <dlfcn.h>
 #include <errno.h>
 #include <math.h>
@@ -12,7 +13,6 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/epoll.h>
 #include <sys/select.h>
 #include <sys/syscall.h>
@@ -21,17 +21,9 @@
 #include <time.h>
 #include <unistd.h>
 
-static int complaints;
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t condition = PTHREAD_COND_INITIALIZER;
 static bool ready;
-
-static double now(void)
-{
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return time.tv_sec + time.tv_nsec * 1e-9;
-}
 
 static struct timespec date_after(double seconds)
 {
@@ -41,24 +33,6 @@ static struct timespec date_after(double seconds)
     time.tv_sec += (time_t)floor(nanoseconds / 1e9);
     time.tv_nsec = (long)fmod(nanoseconds, 1e9);
     return time;
-}
-
-static void check(bool good, const char *what)
-{
-    if (!good) {
-        printf("clock_waits: %s\n", what);
-        complaints++;
-    }
-}
-
-/* Checks that exactly this time has passed since `before`. */
-static void passed(double before, double seconds, const char *what)
-{
-    double is = now() - before;
-    if (fabs(is - seconds) > 2e-6) {
-        printf("clock_waits: %s: %.6f s passed, not %.6f\n", what, is, seconds);
-        complaints++;
-    }
 }
 
 static void alone(void)
@@ -207,5 +181,5 @@ int main(void)
     with_files();
     locks();
     with_threads(frame);
-    return complaints > 0;
+    return clock_complaints() > 0;
 }

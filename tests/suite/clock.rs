@@ -8,6 +8,7 @@ use std::process::Command;
 
 tests! {
     waits_last_the_programs_time,
+    timers_that_are_files_follow_the_programs_time,
     two_runs_are_equal,
     without_the_clock_two_runs_differ,
     another_seed_gives_other_numbers,
@@ -37,12 +38,23 @@ fn times(run: &Finished) -> Vec<f64> {
     times
 }
 
-fn waits_last_the_programs_time() {
+/// Runs a program that needs no display, with the library of the clock. It checks what it reads.
+fn checks_itself(program: &str, arguments: &[&str]) {
     let library = Path::new(env!("CARGO_BIN_EXE_cupola")).with_file_name("libcupola_clock.so");
     assert!(library.exists(), "{}: build it by cargo build --package cupola_clock", library.display());
-    let mut command = Command::new(built().join("clock_waits"));
-    command.env("LD_PRELOAD", library).env("CUPOLA_CLOCK", "60/1");
-    Finished::run(command, "clock_waits", "without a display").expect_success();
+    let mut command = Command::new(built().join(program));
+    command.args(arguments).env("LD_PRELOAD", library).env("CUPOLA_CLOCK", "60/1");
+    Finished::run(command, program, "without a display").expect_success();
+}
+
+fn waits_last_the_programs_time() {
+    checks_itself("clock_waits", &[]);
+}
+
+fn timers_that_are_files_follow_the_programs_time() {
+    for part in ["unwatched", "copies", "set_meanwhile", "looks", "forked"] {
+        checks_itself("clock_timers", &[part]);
+    }
 }
 
 fn two_runs_are_equal() {

@@ -1,11 +1,17 @@
-//! Waits for files and connections, with limits in the program's time, and timers that are files.
+//! Waits for files and connections, with limits in the program's time.
+//!
+//! [`timers`] has those of them that are timers; [`descriptors`] follows their copies.
+
+mod descriptors;
+pub mod timers;
 
 use super::caller::{interpose, is_served};
 use super::real;
-use super::timeline::{after, is_held_before, moment, nanoseconds, now, start_of, timespec, wait};
-use std::ffi::{c_int, c_long};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use super::timeline::{self, after, is_held_before, nanoseconds, seen, timespec, wait_again};
+use std::cell::Cell;
+use std::ffi::c_int;
 use std::time::Duration;
+use timers::{Watched, fire};
 
 interpose! {
     3 poll => poll_for;
@@ -17,43 +23,56 @@ interpose! {
     4 epoll_wait => epoll_wait_for;
     5 epoll_pwait => epoll_pwait_for;
     5 epoll_pwait2 => epoll_pwait2_for;
-    2 timerfd_create => timerfd_create_for;
-    4 timerfd_settime => timerfd_settime_for;
-    2 timerfd_gettime => timerfd_gettime_for;
 }
 
 /// Longest real time for which the drawing thread waits for input from outside. Then its time
 /// advances to the limit.
 const PATIENCE: Duration = Duration::from_millis(250);
 
-/// Waits until `attempt` returns a number other than 0, or until `deadline`.
-fn wait_for_files(deadline: Option<u64>, mut attempt: impl FnMut(Option<Duration>) -> c_int) -> c_int {
+/// Waits until `attempt` returns a number other than 0, or until `deadline`. Timers among the
+/// watched files end the wait, too, also those that another thread sets meanwhile.
+fn wait_for_files(
+    deadline: Option<u64>,
+    watched: &Watched,
+    mut attempt: impl FnMut(Option<Duration>) -> c_int,
+) -> c_int {
     let mut attempt = |limit| Some(attempt(limit)).filter(|count| *count != 0);
+    let reached = Cell::new(None);
+    let target = || {
+        // While the time is held, timers are not due.
+        let timer = watched.next().filter(|timer| !is_held_before(*timer));
+        reached.set([deadline, timer].into_iter().flatten().min());
+        reached.get()
+    };
     loop {
-        let timer = next_timer();
-        let target = [deadline, timer].into_iter().flatten().min();
-        let came = wait(target, PATIENCE, &mut attempt);
-        if let Some(count) = came {
-            return count;
-        }
-        let Some(target) = target else { continue };
-        if is_held_before(target) {
-            // The time is held: timers are not due, and a limit has lasted its real time.
-            if deadline.is_some() {
-                return 0;
-            }
-            continue;
-        }
-        fire(target);
-        if deadline == Some(target) || timer == Some(target) {
-            if let Some(count) = attempt(Some(Duration::ZERO)) {
-                return count;
-            }
-            if deadline == Some(target) {
-                return 0;
-            }
+        let came = wait_again(target, watched.again(), PATIENCE, &mut attempt).or_else(|| {
+            fire(seen());
+            attempt(Some(Duration::ZERO))
+        });
+        match came {
+            Some(count) => return count,
+            // Also if the time is held: then the limit has lasted its real time.
+            None if deadline.is_some() && reached.get() == deadline => return 0,
+            None => {}
         }
     }
+}
+
+/// Looks at files without waiting. If a timer is among them, this counts as a read of a clock:
+/// the program may do nothing else until the timer expires.
+fn look(watched: &Watched, mut attempt: impl FnMut(Option<Duration>) -> c_int) -> c_int {
+    let count = attempt(Some(Duration::ZERO));
+    if count != 0 || !watched.has_timers() {
+        return count;
+    }
+    timeline::read();
+    fire(seen());
+    attempt(Some(Duration::ZERO))
+}
+
+/// Waits for as long as the program asked: `None`: without a limit; 0: not at all.
+fn wait_or_look(length: Option<u64>, watched: &Watched, attempt: impl FnMut(Option<Duration>) -> c_int) -> c_int {
+    if length == Some(0) { look(watched, attempt) } else { wait_for_files(length.map(after), watched, attempt) }
 }
 
 /// A limit in milliseconds, converted to nanoseconds; `None` if it is negative: without a limit.
@@ -79,11 +98,10 @@ unsafe extern "C-unwind" fn poll_for(
 ) -> c_int {
     // SAFETY: the program's own call, with its limit in another form.
     unsafe {
-        if limit == 0 || !is_served(caller) {
+        if !is_served(caller) {
             return real::poll(files, count, limit);
         }
-        let attempt = |limit| real::ppoll(files, count, pointer(&real_limit(limit)), std::ptr::null());
-        wait_for_files(milliseconds(limit).map(after), attempt)
+        polled(files, count, milliseconds(limit), std::ptr::null())
     }
 }
 
@@ -108,12 +126,30 @@ unsafe extern "C-unwind" fn ppoll_for(
     // SAFETY: the program's own call, with its limit in another form.
     unsafe {
         let length = limit.as_ref().map(nanoseconds);
-        if length == Some(None) || length == Some(Some(0)) || !is_served(caller) {
+        if length == Some(None) || !is_served(caller) {
             return real::ppoll(files, count, limit, mask);
         }
-        let attempt = |limit| real::ppoll(files, count, pointer(&real_limit(limit)), mask);
-        wait_for_files(length.flatten().map(after), attempt)
+        polled(files, count, length.flatten(), mask)
     }
+}
+
+unsafe fn polled(
+    files: *mut libc::pollfd,
+    count: libc::nfds_t,
+    length: Option<u64>,
+    mask: *const libc::sigset_t,
+) -> c_int {
+    let listed = match usize::try_from(count) {
+        // SAFETY: the program's list. No process has more descriptors than a `c_int` can tell.
+        Ok(count) if !files.is_null() && c_int::try_from(count).is_ok() => unsafe {
+            std::slice::from_raw_parts(files, count)
+        },
+        _ => &[],
+    };
+    let is_read = |file: &&libc::pollfd| file.events & (libc::POLLIN | libc::POLLRDNORM) != 0;
+    let watched = Watched::of(listed.iter().filter(is_read).map(|file| file.fd));
+    // SAFETY: the program's own call, with its limit in another form.
+    wait_or_look(length, &watched, |limit| unsafe { real::ppoll(files, count, pointer(&real_limit(limit)), mask) })
 }
 
 unsafe extern "C-unwind" fn ppoll_checked(
@@ -167,7 +203,7 @@ unsafe extern "C-unwind" fn select_for(
             limit.as_ref().map(|limit| libc::timespec { tv_sec: limit.tv_sec, tv_nsec: limit.tv_usec * 1000 });
         let length = limited.as_ref().map(nanoseconds);
         let sets = Sets::new(count, [read, write, other]).filter(|_| is_served(caller));
-        let Some(sets) = sets.filter(|_| length != Some(None) && length != Some(Some(0))) else {
+        let Some(sets) = sets.filter(|_| length != Some(None)) else {
             return real::select(count, read, write, other, limit);
         };
         selected(count, &sets, length.flatten(), std::ptr::null())
@@ -187,7 +223,7 @@ unsafe extern "C-unwind" fn pselect_for(
     unsafe {
         let length = limit.as_ref().map(nanoseconds);
         let sets = Sets::new(count, [read, write, other]).filter(|_| is_served(caller));
-        let Some(sets) = sets.filter(|_| length != Some(None) && length != Some(Some(0))) else {
+        let Some(sets) = sets.filter(|_| length != Some(None)) else {
             return real::pselect(count, read, write, other, limit, mask);
         };
         selected(count, &sets, length.flatten(), mask)
@@ -196,7 +232,12 @@ unsafe extern "C-unwind" fn pselect_for(
 
 unsafe fn selected(count: c_int, sets: &Sets, length: Option<u64>, mask: *const libc::sigset_t) -> c_int {
     let [read, write, other] = sets.at;
-    wait_for_files(length.map(after), |limit| {
+    let is_read = |file: &c_int| match &sets.before[0] {
+        // SAFETY: a copy of the program's set, which has place for all files below `count`.
+        Some(set) => unsafe { libc::FD_ISSET(*file, set) },
+        None => false,
+    };
+    wait_or_look(length, &Watched::of((0..count).filter(is_read)), |limit| {
         // SAFETY: the program's own call.
         unsafe {
             sets.restore();
@@ -224,7 +265,7 @@ unsafe extern "C-unwind" fn epoll_pwait_for(
     mask: *const libc::sigset_t,
     caller: usize,
 ) -> c_int {
-    if limit == 0 || !is_served(caller) {
+    if !is_served(caller) {
         // SAFETY: the program's own call.
         return unsafe { real::epoll_pwait(file, events, count, limit, mask) };
     }
@@ -243,13 +284,14 @@ unsafe extern "C-unwind" fn epoll_pwait2_for(
     // SAFETY: the program's own call, with its limit in another form.
     unsafe {
         let length = limit.as_ref().map(nanoseconds);
-        if length == Some(None) || length == Some(Some(0)) || !is_served(caller) {
+        if length == Some(None) || !is_served(caller) {
             return real::epoll_pwait2(file, events, count, limit, mask);
         }
         epolled(file, events, count, length.flatten(), mask)
     }
 }
 
+/// Which files an `epoll` watches is not known, so that each timer of the program counts.
 unsafe fn epolled(
     file: c_int,
     events: *mut libc::epoll_event,
@@ -257,119 +299,10 @@ unsafe fn epolled(
     length: Option<u64>,
     mask: *const libc::sigset_t,
 ) -> c_int {
-    wait_for_files(length.map(after), |limit| {
+    wait_or_look(length, &Watched::Any, |limit| {
         let limit =
             limit.map_or(-1, |limit| c_int::try_from(limit.as_nanos().div_ceil(1_000_000)).unwrap_or(c_int::MAX));
         // SAFETY: the program's own call.
         unsafe { real::epoll_pwait(file, events, count, limit, mask) }
     })
-}
-
-/// A timer of the program that is a file.
-#[derive(Clone, Copy)]
-struct Timer {
-    file: c_int,
-    /// Next time at which it fires, in nanoseconds since the start; 0: it is not set.
-    deadline: u64,
-    /// Time between later firings; 0: it fires once.
-    interval: u64,
-}
-
-static TIMERS: Mutex<Vec<Timer>> = Mutex::new(Vec::new());
-
-fn timers() -> MutexGuard<'static, Vec<Timer>> {
-    TIMERS.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Time at which the next timer fires.
-fn next_timer() -> Option<u64> {
-    timers().iter().map(|timer| timer.deadline).filter(|deadline| *deadline > 0).min()
-}
-
-/// Makes timers readable whose time has come at `time`.
-pub fn fire(time: u64) {
-    for timer in timers().iter_mut().filter(|timer| timer.deadline > 0 && timer.deadline <= time) {
-        let late = time - timer.deadline;
-        timer.deadline = match timer.interval {
-            0 => 0,
-            interval => timer.deadline + interval * (late / interval + 1),
-        };
-        set(timer.file, 1);
-    }
-}
-
-/// Makes the system's timer fire once after this number of nanoseconds; 0: never.
-fn set(file: c_int, after: c_long) {
-    let zero = libc::timespec { tv_sec: 0, tv_nsec: 0 };
-    let new = libc::itimerspec { it_interval: zero, it_value: libc::timespec { tv_sec: 0, tv_nsec: after } };
-    // SAFETY: valid structures; the system refuses a file that is no longer a timer.
-    unsafe { real::timerfd_settime(file, 0, &new, std::ptr::null_mut()) };
-}
-
-unsafe extern "C" fn timerfd_create_for(clock: c_int, flags: c_int, caller: usize) -> c_int {
-    // SAFETY: the program's own call.
-    let file = unsafe { real::timerfd_create(clock, flags) };
-    let mut timers = timers();
-    timers.retain(|timer| timer.file != file);
-    if file >= 0 && start_of(clock).is_some() && is_served(caller) {
-        timers.push(Timer { file, deadline: 0, interval: 0 });
-    }
-    file
-}
-
-unsafe extern "C" fn timerfd_settime_for(
-    file: c_int,
-    flags: c_int,
-    new: *const libc::itimerspec,
-    old: *mut libc::itimerspec,
-    _caller: usize,
-) -> c_int {
-    let mut timers = timers();
-    // SAFETY: the program's structure, or null.
-    let times =
-        unsafe { new.as_ref() }.and_then(|new| Some((nanoseconds(&new.it_value)?, nanoseconds(&new.it_interval)?)));
-    let timer = timers.iter_mut().find(|timer| timer.file == file);
-    let (Some(timer), Some((value, interval))) = (timer, times) else {
-        drop(timers);
-        // SAFETY: the program's own call.
-        return unsafe { real::timerfd_settime(file, flags, new, old) };
-    };
-    // SAFETY: the program's structure, or null.
-    if let Some(old) = unsafe { old.as_mut() } {
-        *old = timer.left();
-    }
-    let is_absolute = flags & libc::TFD_TIMER_ABSTIME != 0;
-    timer.interval = interval;
-    timer.deadline = match value {
-        0 => 0,
-        value if is_absolute => moment(value).max(1),
-        value => after(value),
-    };
-    // An earlier firing that was not read is forgotten.
-    set(file, 0);
-    drop(timers);
-    fire(now());
-    0
-}
-
-unsafe extern "C" fn timerfd_gettime_for(file: c_int, time: *mut libc::itimerspec, _caller: usize) -> c_int {
-    let left = timers().iter().find(|timer| timer.file == file).map(Timer::left);
-    match left.filter(|_| !time.is_null()) {
-        // SAFETY: the program's structure.
-        Some(left) => unsafe {
-            time.write(left);
-            0
-        },
-        // SAFETY: the program's own call.
-        None => unsafe { real::timerfd_gettime(file, time) },
-    }
-}
-
-impl Timer {
-    fn left(&self) -> libc::itimerspec {
-        libc::itimerspec {
-            it_interval: timespec(self.interval),
-            it_value: timespec(self.deadline.saturating_sub(now())),
-        }
-    }
 }

@@ -1,0 +1,273 @@
+//! Timers of the program that are files (`timerfd`). The system's own timer is made readable when
+//! the program's time has come, so that it wakes who waits for it in whatever way.
+
+use crate::caller::{interpose, is_served};
+use crate::real;
+use crate::timeline::{SLICE, after, moment, nanoseconds, now, start_of, timespec};
+use std::ffi::{c_int, c_long};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+interpose! {
+    2 timerfd_create => timerfd_create_for;
+    4 timerfd_settime => timerfd_settime_for;
+    2 timerfd_gettime => timerfd_gettime_for;
+}
+
+/// Longest real time that the system needs to make a timer readable.
+const SOON: Duration = Duration::from_millis(10);
+/// Interval at which a wait for unknown files looks whether the program has made a timer.
+const RARE: Duration = Duration::from_millis(100);
+
+struct Timer {
+    /// Its descriptors: the first, and copies.
+    files: Vec<c_int>,
+    /// Next time at which it expires, in nanoseconds since the start; 0: it is not set.
+    deadline: u64,
+    /// Time between later expirations; 0: it expires once.
+    interval: u64,
+}
+
+impl Timer {
+    fn left(&self) -> libc::itimerspec {
+        libc::itimerspec {
+            it_interval: timespec(self.interval),
+            it_value: timespec(self.deadline.saturating_sub(now())),
+        }
+    }
+
+    /// Makes the timer readable, whose time has come at `time`.
+    fn expire(&mut self, file: c_int, time: u64) {
+        let late = time.saturating_sub(self.deadline);
+        self.deadline = match self.interval {
+            0 => 0,
+            interval => time.saturating_add(interval - late % interval),
+        };
+        if !is_readable(file, Duration::ZERO) {
+            set(file, 1);
+            is_readable(file, SOON);
+        }
+    }
+}
+
+/// The timers of the program.
+pub struct Table(Vec<Timer>);
+
+static TIMERS: Mutex<Table> = Mutex::new(Table(Vec::new()));
+
+/// Which remainders the descriptors of timers have, one bit for each.
+static MARKS: [AtomicU64; 16] = [const { AtomicU64::new(0) }; 16];
+
+/// Number of a descriptor's mark.
+fn slot(file: c_int) -> usize {
+    file.cast_unsigned() as usize % (64 * MARKS.len())
+}
+
+/// Word and bit of a descriptor's mark.
+fn mark(file: c_int) -> (&'static AtomicU64, u64) {
+    (&MARKS[slot(file) / 64], 1 << (slot(file) % 64))
+}
+
+fn set_mark(file: c_int) {
+    let (word, bit) = mark(file);
+    word.fetch_or(bit, Ordering::AcqRel);
+}
+
+/// False if this is no timer. Handlers of signals may ask: it takes no lock.
+pub fn may_be_timer(file: c_int) -> bool {
+    let (word, bit) = mark(file);
+    word.load(Ordering::Acquire) & bit != 0
+}
+
+/// The timers.
+pub fn timers() -> MutexGuard<'static, Table> {
+    TIMERS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Table {
+    /// The timer with this descriptor. `None` if the program has closed it: `close` and its kin are
+    /// not seen, so the system is asked whether it is a timer still.
+    fn find(&mut self, file: c_int) -> Option<&mut Timer> {
+        let index = self.0.iter().position(|timer| timer.files.contains(&file))?;
+        if is_timer(file) {
+            return self.0.get_mut(index);
+        }
+        self.forget(file);
+        None
+    }
+
+    /// Forgets a descriptor, and its timer if that has no other.
+    fn forget(&mut self, file: c_int) {
+        self.0.iter_mut().for_each(|timer| timer.files.retain(|own| *own != file));
+        self.0.retain(|timer| !timer.files.is_empty());
+        if !self.0.iter().flat_map(|timer| &timer.files).any(|other| slot(*other) == slot(file)) {
+            let (word, bit) = mark(file);
+            word.fetch_and(!bit, Ordering::AcqRel);
+        }
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.0.clear();
+        MARKS.iter().for_each(|word| word.store(0, Ordering::Release));
+    }
+
+    /// A descriptor of a timer whose time has come.
+    fn due(&self, time: u64) -> Option<c_int> {
+        self.0.iter().find(|timer| timer.deadline > 0 && timer.deadline <= time)?.files.first().copied()
+    }
+}
+
+/// Files of a wait.
+pub enum Watched {
+    /// Those of these that may be timers.
+    Files(Vec<c_int>),
+    /// Unknown ones: any timer may be among them.
+    Any,
+}
+
+impl Watched {
+    pub fn of(files: impl Iterator<Item = c_int>) -> Self {
+        Self::Files(files.filter(|file| may_be_timer(*file)).collect())
+    }
+
+    /// False if there is no timer among the files.
+    pub fn has_timers(&self) -> bool {
+        match self {
+            Self::Files(files) => !files.is_empty(),
+            Self::Any => !timers().0.is_empty(),
+        }
+    }
+
+    /// Time at which the next of the timers expires.
+    pub fn next(&self) -> Option<u64> {
+        let mut table = timers();
+        let files = match self {
+            Self::Files(files) => files.clone(),
+            Self::Any => table.0.iter().flat_map(|timer| &timer.files).copied().collect(),
+        };
+        files.into_iter().filter_map(|file| Some(table.find(file)?.deadline)).filter(|deadline| *deadline > 0).min()
+    }
+
+    /// Interval at which a wait asks for [`Self::next`] again, because another thread may set a
+    /// timer; `None`: never.
+    pub fn again(&self) -> Option<Duration> {
+        match self {
+            _ if self.has_timers() => Some(SLICE),
+            Self::Files(_) => None,
+            Self::Any => Some(RARE),
+        }
+    }
+}
+
+/// Makes timers readable whose time has come at `time`.
+pub fn fire(time: u64) {
+    let mut table = timers();
+    // Each turn moves a deadline beyond that time, or forgets a descriptor.
+    while let Some(file) = table.due(time) {
+        if let Some(timer) = table.find(file) {
+            timer.expire(file, time);
+        }
+    }
+}
+
+/// Notes that the program has made the descriptor `new` a copy of `old`.
+pub fn copy(old: c_int, new: c_int) {
+    if new < 0 || new == old || !(may_be_timer(old) || may_be_timer(new)) {
+        return;
+    }
+    let mut table = timers();
+    table.forget(new);
+    if let Some(timer) = table.find(old) {
+        timer.files.push(new);
+        set_mark(new);
+    }
+}
+
+/// Makes the system's timer fire once after this number of nanoseconds; 0: never.
+fn set(file: c_int, after: c_long) {
+    let zero = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+    let new = libc::itimerspec { it_interval: zero, it_value: libc::timespec { tv_sec: 0, tv_nsec: after } };
+    // SAFETY: valid structures; the system refuses a file that is no longer a timer.
+    unsafe { real::timerfd_settime(file, 0, &new, std::ptr::null_mut()) };
+}
+
+/// True if the descriptor is that of a timer.
+fn is_timer(file: c_int) -> bool {
+    let zero = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+    let mut time = libc::itimerspec { it_interval: zero, it_value: zero };
+    // SAFETY: writes a local structure; the system refuses other files.
+    unsafe { real::timerfd_gettime(file, &mut time) == 0 }
+}
+
+/// Waits until a file can be read, for no longer than `limit` of real time. By the system call: a
+/// thread that waits here with a lock cannot be cancelled.
+fn is_readable(file: c_int, limit: Duration) -> bool {
+    let mut asked = libc::pollfd { fd: file, events: libc::POLLIN, revents: 0 };
+    let mut limit = libc::timespec { tv_sec: 0, tv_nsec: limit.subsec_nanos().into() };
+    let (asked, limit) = (&raw mut asked, &raw mut limit);
+    // SAFETY: local structures.
+    unsafe { real::syscall(libc::SYS_ppoll, asked as usize, 1, limit as usize, 0, 0, 0) == 1 }
+}
+
+pub unsafe extern "C" fn timerfd_create_for(clock: c_int, flags: c_int, caller: usize) -> c_int {
+    // SAFETY: the program's own call.
+    let file = unsafe { real::timerfd_create(clock, flags) };
+    if file >= 0 {
+        let mut timers = timers();
+        timers.forget(file);
+        if start_of(clock).is_some() && is_served(caller) {
+            timers.0.push(Timer { files: vec![file], deadline: 0, interval: 0 });
+            set_mark(file);
+        }
+    }
+    file
+}
+
+pub unsafe extern "C" fn timerfd_settime_for(
+    file: c_int,
+    flags: c_int,
+    new: *const libc::itimerspec,
+    old: *mut libc::itimerspec,
+    _caller: usize,
+) -> c_int {
+    let mut timers = timers();
+    // SAFETY: the program's structure, or null.
+    let times =
+        unsafe { new.as_ref() }.and_then(|new| Some((nanoseconds(&new.it_value)?, nanoseconds(&new.it_interval)?)));
+    let (Some(timer), Some((value, interval))) = (timers.find(file), times) else {
+        drop(timers);
+        // SAFETY: the program's own call.
+        return unsafe { real::timerfd_settime(file, flags, new, old) };
+    };
+    // SAFETY: the program's structure, or null.
+    if let Some(old) = unsafe { old.as_mut() } {
+        *old = timer.left();
+    }
+    let is_absolute = flags & libc::TFD_TIMER_ABSTIME != 0;
+    timer.interval = interval;
+    timer.deadline = match value {
+        0 => 0,
+        value if is_absolute => moment(value).max(1),
+        value => after(value),
+    };
+    // An earlier expiration that was not read is forgotten.
+    set(file, 0);
+    drop(timers);
+    fire(now());
+    0
+}
+
+pub unsafe extern "C" fn timerfd_gettime_for(file: c_int, time: *mut libc::itimerspec, _caller: usize) -> c_int {
+    let left = timers().find(file).map(|timer| timer.left());
+    match left.filter(|_| !time.is_null()) {
+        // SAFETY: the program's structure.
+        Some(left) => unsafe {
+            time.write(left);
+            0
+        },
+        // SAFETY: the program's own call.
+        None => unsafe { real::timerfd_gettime(file, time) },
+    }
+}
