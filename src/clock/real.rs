@@ -108,6 +108,7 @@ functions! {
         -> c_int = libc::ENOSYS;
     syscall(number: c_long, a: usize, b: usize, c: usize, d: usize, e: usize, f: usize) -> c_long
         = c_long::from(fail(libc::ENOSYS));
+    __read_chk(file: c_int, bytes: *mut c_void, length: usize, most: usize) -> isize = fail(libc::EFAULT) as isize;
     timerfd_gettime(file: c_int, time: *mut libc::itimerspec) -> c_int = fail(libc::ENOSYS);
 }
 
@@ -151,6 +152,8 @@ macro_rules! early {
 }
 
 early! {
+    read(file: c_int, bytes: *mut c_void, length: usize) -> isize = SYS_read;
+    readv(file: c_int, parts: *const libc::iovec, count: c_int) -> isize = SYS_readv;
     dup(file: c_int) -> c_int = SYS_dup;
     dup2(file: c_int, new: c_int) -> c_int = SYS_dup3;
     dup3(file: c_int, new: c_int, flags: c_int) -> c_int = SYS_dup3;

@@ -4,14 +4,18 @@
  */
 #define _GNU_SOURCE
 #include "common/clock.h"
+#include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
+#include <signal.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/epoll.h>
 #include <sys/select.h>
 #include <sys/timerfd.h>
+#include <sys/uio.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -166,12 +170,115 @@ static void forked(void)
     passed(before, 0.02, "a timer beside a copy");
 }
 
+static uint64_t count_of(int timer)
+{
+    uint64_t count = 0;
+    return read(timer, &count, sizeof count) == sizeof count ? count : 0;
+}
+
+static void interrupted(int signal)
+{
+    (void)signal;
+}
+
+static pthread_t reader;
+
+static void *interrupts(void *unused)
+{
+    real_wait();
+    pthread_kill(reader, SIGUSR1);
+    return unused;
+}
+
+/* Reads that wait for the timer. */
+static void reads(void)
+{
+    double before = now();
+    int timer = timer_of(30000000, 0, 0);
+    check(count_of(timer) == 1, "a read of a timer");
+    passed(before, 0.03, "a read of a timer");
+    set(timer, 10000000, 10000000);
+    usleep(35000);
+    check(count_of(timer) == 3, "a read tells all expirations");
+    passed(before, 0.065, "a read that need not wait");
+    check(count_of(timer) == 1, "the next expiration");
+    passed(before, 0.07, "a read of the next expiration");
+    uint64_t counts[2] = {0, 0};
+    struct iovec parts[2] = {{counts, sizeof *counts}, {counts + 1, sizeof *counts}};
+    check(readv(timer, parts, 2) >= 8 && counts[0] == 1, "readv reads a timer");
+    passed(before, 0.08, "readv");
+    check(read(timer, counts, 4) == -1 && errno == EINVAL, "a read that is too short");
+    set(timer, 0, 0);
+
+    /* A signal ends a read, unless its handler was set otherwise. */
+    struct sigaction action = {.sa_handler = interrupted};
+    sigaction(SIGUSR1, &action, NULL);
+    reader = pthread_self();
+    pthread_t thread;
+    pthread_create(&thread, NULL, interrupts, NULL);
+    check(read(timer, counts, 8) == -1 && errno == EINTR, "a signal ends a read");
+    pthread_join(thread, NULL);
+    action.sa_flags = SA_RESTART;
+    sigaction(SIGUSR1, &action, NULL);
+    pthread_create(&thread, NULL, interrupts, NULL);
+    set(timer, 0, 0);
+    armed = timer;
+    pthread_t other;
+    pthread_create(&other, NULL, arms, NULL);
+    check(count_of(timer) == 1, "a read goes on after a signal, and ends when another thread sets the timer");
+    pthread_join(thread, NULL);
+    pthread_join(other, NULL);
+}
+
+/* Reads that do not wait. */
+static void looks_by_reads(void)
+{
+    int timer = timer_of(2000000, 0, TFD_NONBLOCK);
+    double before = now();
+    uint64_t count;
+    while (read(timer, &count, sizeof count) != sizeof count)
+        if (errno != EAGAIN) {
+            check(false, "a read that would wait");
+            return;
+        }
+    check(count == 1, "a timer that is read again and again");
+    /* The first 1000 looks take no time. */
+    passed(before, 0.002, "looks by reads");
+}
+
+/* Another thread reads while this one waits for its time to pass. */
+static void *reads_twice(void *timer)
+{
+    check(count_of(*(int *)timer) > 0 && count_of(*(int *)timer) > 0, "another thread reads a timer");
+    return timer;
+}
+
+static void reads_of_others(void)
+{
+    int timer = timer_of(20000000, 20000000, 0);
+    pthread_t thread;
+    double before = now();
+    pthread_create(&thread, NULL, reads_twice, &timer);
+    for (int i = 0; i < 5; i++) {
+        real_wait();
+        usleep(10000);
+    }
+    passed(before, 0.05, "time beside reads of another thread");
+    pthread_join(thread, NULL);
+    int again = timer_of(20000000, 20000000, 0);
+    /* The thread that waits for the other takes no time. */
+    pthread_create(&thread, NULL, reads_twice, &again);
+    pthread_join(thread, NULL);
+    passed(before, 0.05, "a wait for a thread that reads a timer");
+}
+
 static const struct {
     const char *name;
     void (*run)(void);
 } PARTS[] = {
     {"unwatched", unwatched}, {"copies", copies}, {"set_meanwhile", set_meanwhile},
-    {"looks", looks},         {"forked", forked},
+    {"looks", looks},         {"forked", forked}, {"reads", reads}, {"looks_by_reads", looks_by_reads},
+    {"reads_of_others", reads_of_others},
 };
 
 int main(int count, char **arguments)

@@ -27,6 +27,8 @@ struct Timer {
     deadline: u64,
     /// Time between later expirations; 0: it expires once.
     interval: u64,
+    /// Number of expirations that nobody has read. The system's timer knows of one.
+    expired: u64,
 }
 
 impl Timer {
@@ -40,14 +42,18 @@ impl Timer {
     /// Makes the timer readable, whose time has come at `time`.
     fn expire(&mut self, file: c_int, time: u64) {
         let late = time.saturating_sub(self.deadline);
-        self.deadline = match self.interval {
-            0 => 0,
-            interval => time.saturating_add(interval - late % interval),
+        let (next, count) = match self.interval {
+            0 => (0, 1),
+            interval => (time.saturating_add(interval - late % interval), late / interval + 1),
         };
+        self.deadline = next;
+        // Reads that are not seen here take all expirations.
         if !is_readable(file, Duration::ZERO) {
+            self.expired = 0;
             set(file, 1);
             is_readable(file, SOON);
         }
+        self.expired += count;
     }
 }
 
@@ -172,6 +178,32 @@ pub fn fire(time: u64) {
     }
 }
 
+/// What a read of a timer takes.
+pub enum Taken {
+    /// Number of expirations.
+    Count(u64),
+    /// It has not expired.
+    None,
+    /// This is no timer of the program, or the system has an error to tell.
+    Unknown,
+}
+
+/// Takes the expirations of a timer.
+pub fn take(file: c_int) -> Taken {
+    let mut table = timers();
+    let Some(timer) = table.find(file) else { return Taken::Unknown };
+    let mut count = 0_u64;
+    let bytes = &raw mut count;
+    // SAFETY: a local number. It is a system call, so that the thread cannot be cancelled here.
+    match is_readable(file, Duration::ZERO)
+        .then(|| unsafe { real::syscall(libc::SYS_read, file as usize, bytes as usize, size_of::<u64>(), 0, 0, 0) })
+    {
+        None => Taken::None,
+        Some(8) => Taken::Count(std::mem::take(&mut timer.expired).max(count)),
+        Some(_) => Taken::Unknown,
+    }
+}
+
 /// Notes that the program has made the descriptor `new` a copy of `old`.
 pub fn copy(old: c_int, new: c_int) {
     if new < 0 || new == old || !(may_be_timer(old) || may_be_timer(new)) {
@@ -218,7 +250,7 @@ pub unsafe extern "C" fn timerfd_create_for(clock: c_int, flags: c_int, caller: 
         let mut timers = timers();
         timers.forget(file);
         if start_of(clock).is_some() && is_served(caller) {
-            timers.0.push(Timer { files: vec![file], deadline: 0, interval: 0 });
+            timers.0.push(Timer { files: vec![file], deadline: 0, interval: 0, expired: 0 });
             set_mark(file);
         }
     }
@@ -253,6 +285,7 @@ pub unsafe extern "C" fn timerfd_settime_for(
         value => after(value),
     };
     // An earlier expiration that was not read is forgotten.
+    timer.expired = 0;
     set(file, 0);
     drop(timers);
     fire(now());
