@@ -7,7 +7,8 @@
 //!
 //! [`timeline`] has the time, [`settings`] the requests of the environment. By a [`page`] other
 //! processes hold the time. [`caller`] decides who gets real time; [`real`] has the functions of
-//! libc. [`reads`], [`sleeps`], [`files`], [`threads`] and [`random`] answer the program.
+//! libc. [`reads`], [`sleeps`], [`files`], [`threads`] and [`random`] answer the program,
+//! [`syscalls`] what it asks of the system without libc.
 
 #![deny(unsafe_op_in_unsafe_fn)]
 // The address of a caller is known only on these machines; on others the library does nothing.
@@ -21,6 +22,7 @@ mod reads;
 mod real;
 mod settings;
 mod sleeps;
+mod syscalls;
 mod threads;
 mod timeline;
 

@@ -4,9 +4,9 @@
 //! last their real time, because it may wait for them.
 
 use super::caller::{interpose, is_served};
+use super::real;
 use super::timeline::{self, moment, nanoseconds, seen, timespec, wait};
-use super::{random, reads, real, sleeps};
-use std::ffi::{c_int, c_long, c_void};
+use std::ffi::{c_int, c_void};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -28,12 +28,11 @@ interpose! {
     3 pthread_rwlock_clockwrlock => rwlock_clockwrlock_for;
     2 pthread_join => join_for;
     3 pthread_timedjoin_np => timedjoin_for;
-    7 syscall => syscall_for;
 }
 
 /// Longest real time for which the drawing thread waits for another thread. Then its time advances
 /// to the limit.
-const PATIENCE: Duration = Duration::from_millis(250);
+pub const PATIENCE: Duration = Duration::from_millis(250);
 
 type Time = *const libc::timespec;
 
@@ -44,7 +43,7 @@ unsafe fn limit(time: Time, caller: usize) -> Option<u64> {
 }
 
 /// Moment of the real monotonic clock at which `limit` from now ends.
-fn real_end(limit: Duration) -> libc::timespec {
+pub fn real_end(limit: Duration) -> libc::timespec {
     timespec(real::now().saturating_add(u64::try_from(limit.as_nanos()).unwrap_or(u64::MAX)))
 }
 
@@ -241,70 +240,4 @@ unsafe extern "C-unwind" fn timedjoin_for(
         let Some(deadline) = limit(time, caller) else { return real::pthread_timedjoin_np(thread, answer, time) };
         wait_for_thread(deadline, |end| real::pthread_clockjoin_np(thread, answer, libc::CLOCK_MONOTONIC, end))
     }
-}
-
-/// `syscall`, with which libraries of other languages make calls that libc also offers.
-#[allow(clippy::too_many_arguments)]
-unsafe extern "C-unwind" fn syscall_for(
-    number: c_long,
-    a: usize,
-    b: usize,
-    c: usize,
-    d: usize,
-    e: usize,
-    f: usize,
-    caller: usize,
-) -> c_long {
-    // SAFETY: the program's own call.
-    unsafe {
-        if !is_served(caller) {
-            return real::syscall(number, a, b, c, d, e, f);
-        }
-        match number {
-            libc::SYS_clock_gettime => reads::clock_gettime_for(a as libc::clockid_t, b as *mut _, caller).into(),
-            libc::SYS_gettimeofday => reads::gettimeofday_for(a as *mut _, b as *mut _, caller).into(),
-            #[cfg(target_arch = "x86_64")]
-            libc::SYS_time => reads::time_for(a as *mut _, caller),
-            libc::SYS_getpid => reads::getpid_for(caller).into(),
-            libc::SYS_getrandom => random::getrandom_for(a as *mut _, b, c as _, caller) as c_long,
-            libc::SYS_nanosleep => sleeps::nanosleep_for(a as *const _, b as *mut _, caller).into(),
-            libc::SYS_clock_nanosleep => {
-                match sleeps::clock_nanosleep_for(a as libc::clockid_t, b as c_int, c as *const _, d as *mut _, caller)
-                {
-                    0 => 0,
-                    error => real::fail(error).into(),
-                }
-            }
-            libc::SYS_futex => futex(a, b, c, d, e, f).unwrap_or_else(|| real::syscall(number, a, b, c, d, e, f)),
-            _ => real::syscall(number, a, b, c, d, e, f),
-        }
-    }
-}
-
-/// Waits for a futex; `None` for its other uses.
-unsafe fn futex(word: usize, flags: usize, value: usize, time: usize, other: usize, bits: usize) -> Option<c_long> {
-    let real_time = libc::FUTEX_CLOCK_REALTIME as usize;
-    let is_absolute = match (flags & !real_time) as c_int & libc::FUTEX_CMD_MASK {
-        libc::FUTEX_WAIT => false,
-        libc::FUTEX_WAIT_BITSET => true,
-        _ => return None,
-    };
-    // SAFETY: the program's structure, or null.
-    let length = match unsafe { (time as *const libc::timespec).as_ref() } {
-        None => None,
-        Some(time) => Some(nanoseconds(time)?),
-    };
-    let deadline = length.map(|length| if is_absolute { moment(length) } else { timeline::after(length) });
-    let came = wait(deadline, PATIENCE, |limit| {
-        let end = limit.map(|limit| match is_absolute {
-            true => real_end(limit),
-            false => timespec(u64::try_from(limit.as_nanos()).unwrap_or(u64::MAX)),
-        });
-        let end = end.as_ref().map_or(std::ptr::null(), std::ptr::from_ref::<libc::timespec>) as usize;
-        // SAFETY: the program's own call, with its limit on the real monotonic clock.
-        let answer = unsafe { real::syscall(libc::SYS_futex, word, flags & !real_time, value, end, other, bits) };
-        // SAFETY: the thread's own number.
-        (answer == 0 || limit.is_none() || unsafe { *libc::__errno_location() } != libc::ETIMEDOUT).then_some(answer)
-    });
-    Some(came.unwrap_or_else(|| real::fail(libc::ETIMEDOUT).into()))
 }

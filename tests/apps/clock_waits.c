@@ -95,6 +95,70 @@ static void with_files(void)
     }
 }
 
+#if defined SYS_poll && defined SYS_select && defined SYS_epoll_wait
+/* Calls that only older processors have. */
+static void older_system_calls(struct pollfd *file, fd_set *set, int epoll)
+{
+    struct epoll_event event;
+    struct timeval limit = {0, 10000};
+    double before = now();
+    check(syscall(SYS_poll, file, 1, 10) == 0, "the system call poll is late");
+    passed(before, 0.01, "the system call poll");
+    check(syscall(SYS_select, file->fd + 1, set, NULL, NULL, &limit) == 0, "the system call select is late");
+    passed(before, 0.02, "the system call select");
+    check(syscall(SYS_epoll_wait, epoll, &event, 1, 10) == 0, "the system call epoll_wait is late");
+    passed(before, 0.03, "the system call epoll_wait");
+}
+#else
+static void older_system_calls(struct pollfd *file, fd_set *set, int epoll)
+{
+    (void)file, (void)set, (void)epoll;
+}
+#endif
+
+/* Waits for files by `syscall`. */
+static void system_calls(void)
+{
+    int ends[2];
+    check(pipe(ends) == 0, "no pipe");
+    struct pollfd file = {ends[0], POLLIN, 0};
+    fd_set set;
+    FD_ZERO(&set);
+    FD_SET(ends[0], &set);
+    int epoll = epoll_create1(0);
+    struct epoll_event event = {.events = EPOLLIN};
+    epoll_ctl(epoll, EPOLL_CTL_ADD, ends[0], &event);
+    older_system_calls(&file, &set, epoll);
+    double before = now();
+    struct timespec limit = {0, 10000000};
+    check(syscall(SYS_ppoll, &file, 1, &limit, NULL, 8) == 0, "the system call ppoll is late");
+    passed(before, 0.01, "the system call ppoll");
+    FD_SET(ends[0], &set);
+    struct {
+        const void *mask;
+        size_t size;
+    } none = {NULL, 8};
+    check(syscall(SYS_pselect6, ends[0] + 1, &set, NULL, NULL, &limit, &none) == 0, "the system call pselect6 is late");
+    passed(before, 0.02, "the system call pselect6");
+    check(syscall(SYS_epoll_pwait, epoll, &event, 1, 10, NULL, 8) == 0, "the system call epoll_pwait is late");
+    passed(before, 0.03, "the system call epoll_pwait");
+    long timer = syscall(SYS_timerfd_create, CLOCK_MONOTONIC, 0);
+    struct itimerspec times = {{0, 0}, {0, 30000000}}, left;
+    check(syscall(SYS_timerfd_settime, timer, 0, &times, NULL) == 0, "the system call timerfd_settime");
+    check(syscall(SYS_nanosleep, &limit, NULL) == 0, "the system call nanosleep");
+    check(syscall(SYS_timerfd_gettime, timer, &left) == 0 && left.it_value.tv_nsec == 20000000,
+          "the system call timerfd_gettime");
+    unsigned long long count = 0;
+    check(syscall(SYS_read, timer, &count, sizeof count) == sizeof count && count == 1, "the system call read");
+    passed(before, 0.06, "the system call read");
+    /* Older systems lack it. */
+    long answer = syscall(SYS_epoll_pwait2, epoll, &event, 1, &limit, NULL, 8);
+    if (answer != -1 || errno != ENOSYS) {
+        check(answer == 0, "the system call epoll_pwait2 is late");
+        passed(before, 0.07, "the system call epoll_pwait2");
+    }
+}
+
 static void locks(void)
 {
     double before = now();
@@ -179,6 +243,7 @@ int main(void)
     check(now() == 1000 && time(NULL) == 946728000, "the time starts at noon of 2000-01-01");
     alone();
     with_files();
+    system_calls();
     locks();
     with_threads(frame);
     return clock_complaints() > 0;

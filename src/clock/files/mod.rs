@@ -2,7 +2,7 @@
 //!
 //! [`timers`] has those of them that are timers; [`descriptors`] follows their copies.
 
-mod descriptors;
+pub mod descriptors;
 pub mod timers;
 
 use super::caller::{interpose, is_served};
@@ -90,7 +90,7 @@ fn real_limit(limit: Option<Duration>) -> Option<libc::timespec> {
     limit.map(|limit| timespec(u64::try_from(limit.as_nanos()).unwrap_or(u64::MAX)))
 }
 
-unsafe extern "C-unwind" fn poll_for(
+pub unsafe extern "C-unwind" fn poll_for(
     files: *mut libc::pollfd,
     count: libc::nfds_t,
     limit: c_int,
@@ -116,7 +116,7 @@ unsafe extern "C-unwind" fn poll_checked(
     unsafe { poll_for(files, count, limit, caller) }
 }
 
-unsafe extern "C-unwind" fn ppoll_for(
+pub unsafe extern "C-unwind" fn ppoll_for(
     files: *mut libc::pollfd,
     count: libc::nfds_t,
     limit: *const libc::timespec,
@@ -189,7 +189,7 @@ impl Sets {
     }
 }
 
-unsafe extern "C-unwind" fn select_for(
+pub unsafe extern "C-unwind" fn select_for(
     count: c_int,
     read: *mut libc::fd_set,
     write: *mut libc::fd_set,
@@ -210,7 +210,7 @@ unsafe extern "C-unwind" fn select_for(
     }
 }
 
-unsafe extern "C-unwind" fn pselect_for(
+pub unsafe extern "C-unwind" fn pselect_for(
     count: c_int,
     read: *mut libc::fd_set,
     write: *mut libc::fd_set,
@@ -246,7 +246,7 @@ unsafe fn selected(count: c_int, sets: &Sets, length: Option<u64>, mask: *const 
     })
 }
 
-unsafe extern "C-unwind" fn epoll_wait_for(
+pub unsafe extern "C-unwind" fn epoll_wait_for(
     file: c_int,
     events: *mut libc::epoll_event,
     count: c_int,
@@ -257,7 +257,7 @@ unsafe extern "C-unwind" fn epoll_wait_for(
     unsafe { epoll_pwait_for(file, events, count, limit, std::ptr::null(), caller) }
 }
 
-unsafe extern "C-unwind" fn epoll_pwait_for(
+pub unsafe extern "C-unwind" fn epoll_pwait_for(
     file: c_int,
     events: *mut libc::epoll_event,
     count: c_int,
@@ -273,7 +273,7 @@ unsafe extern "C-unwind" fn epoll_pwait_for(
     unsafe { epolled(file, events, count, milliseconds(limit), mask) }
 }
 
-unsafe extern "C-unwind" fn epoll_pwait2_for(
+pub unsafe extern "C-unwind" fn epoll_pwait2_for(
     file: c_int,
     events: *mut libc::epoll_event,
     count: c_int,
