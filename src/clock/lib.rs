@@ -7,7 +7,7 @@
 //!
 //! [`timeline`] has the time, [`settings`] the requests of the environment. By a [`page`] other
 //! processes hold the time. [`caller`] decides who gets real time; [`real`] has the functions of
-//! libc. [`reads`], [`sleeps`], [`files`], [`threads`] and [`random`] answer the program,
+//! libc. [`reads`], [`sleeps`], [`files`], [`threads`], [`process`] and [`random`] answer the program,
 //! [`syscalls`] what it asks of the system without libc.
 
 #![deny(unsafe_op_in_unsafe_fn)]
@@ -17,6 +17,7 @@
 mod caller;
 mod files;
 mod page;
+mod process;
 mod random;
 mod reads;
 mod real;

@@ -102,10 +102,14 @@ functions! {
     pthread_rwlock_clockwrlock(lock: *mut libc::pthread_rwlock_t, clock: c_int, time: *const libc::timespec)
         -> c_int = libc::ENOSYS;
     pthread_join(thread: libc::pthread_t, answer: *mut *mut c_void) -> c_int = libc::ENOSYS;
-    pthread_timedjoin_np(thread: libc::pthread_t, answer: *mut *mut c_void, time: *const libc::timespec)
-        -> c_int = libc::ENOSYS;
+    thrd_join(thread: libc::pthread_t, answer: *mut c_int) -> c_int = 2;
+    pthread_barrier_wait(barrier: *mut libc::pthread_barrier_t) -> c_int = libc::ENOSYS;
     pthread_clockjoin_np(thread: libc::pthread_t, answer: *mut *mut c_void, clock: c_int, time: *const libc::timespec)
         -> c_int = libc::ENOSYS;
+    waitpid(process: libc::pid_t, status: *mut c_int, options: c_int) -> libc::pid_t = fail(libc::ENOSYS);
+    wait4(process: libc::pid_t, status: *mut c_int, options: c_int, usage: *mut libc::rusage)
+        -> libc::pid_t = fail(libc::ENOSYS);
+    waitid(kind: c_int, process: libc::id_t, answer: *mut c_void, options: c_int) -> c_int = fail(libc::ENOSYS);
     syscall(number: c_long, a: usize, b: usize, c: usize, d: usize, e: usize, f: usize) -> c_long
         = c_long::from(fail(libc::ENOSYS));
     __read_chk(file: c_int, bytes: *mut c_void, length: usize, most: usize) -> isize = fail(libc::EFAULT) as isize;

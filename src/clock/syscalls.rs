@@ -5,7 +5,7 @@ use super::caller::{interpose, is_served};
 use super::files::{self, descriptors, timers};
 use super::threads::{PATIENCE, real_end};
 use super::timeline::{self, moment, nanoseconds, timespec, wait};
-use super::{random, reads, real, sleeps};
+use super::{process, random, reads, real, sleeps};
 use std::ffi::{c_int, c_long};
 
 interpose! {
@@ -42,6 +42,9 @@ unsafe extern "C-unwind" fn syscall_for(
                     0 => 0,
                     error => real::fail(error).into(),
                 }
+            }
+            libc::SYS_wait4 => {
+                process::wait4_for(a as libc::pid_t, b as *mut _, c as c_int, d as *mut _, caller).into()
             }
             libc::SYS_futex => futex(a, b, c, d, e, f).unwrap_or_else(|| real::syscall(number, a, b, c, d, e, f)),
             _ => files(number, [a, b, c, d, e, f], caller),

@@ -15,6 +15,7 @@ interpose! {
     2 pthread_cond_wait => cond_wait_for;
     3 pthread_cond_timedwait => cond_timedwait_for;
     4 pthread_cond_clockwait => cond_clockwait_for;
+    2 cnd_wait => cnd_wait_for;
     3 cnd_timedwait => cnd_timedwait_for;
     1 sem_wait => sem_wait_for;
     2 sem_timedwait => sem_timedwait_for;
@@ -28,6 +29,9 @@ interpose! {
     3 pthread_rwlock_clockwrlock => rwlock_clockwrlock_for;
     2 pthread_join => join_for;
     3 pthread_timedjoin_np => timedjoin_for;
+    4 pthread_clockjoin_np => clockjoin_for;
+    2 thrd_join => thrd_join_for;
+    1 pthread_barrier_wait => barrier_for;
 }
 
 /// Longest real time for which the drawing thread waits for another thread. Then its time advances
@@ -117,7 +121,7 @@ unsafe extern "C-unwind" fn cond_wait_for(condition: Condition, mutex: Lock, cal
 }
 
 /// A wait without a limit.
-fn without_limit(caller: usize, attempt: impl Fn() -> c_int) -> c_int {
+pub fn without_limit(caller: usize, attempt: impl Fn() -> c_int) -> c_int {
     if is_served(caller) { wait(None, PATIENCE, |_| Some(attempt())).unwrap_or(0) } else { attempt() }
 }
 
@@ -156,8 +160,13 @@ fn of_c11(answer: c_int) -> c_int {
     }
 }
 
-unsafe extern "C-unwind" fn cnd_timedwait_for(condition: Condition, mutex: Lock, time: Time, caller: usize) -> c_int {
+unsafe extern "C-unwind" fn cnd_wait_for(condition: Condition, mutex: Lock, caller: usize) -> c_int {
     // SAFETY: the program's own call; glibc's types are those of POSIX's threads.
+    of_c11(unsafe { cond_wait_for(condition, mutex, caller) })
+}
+
+unsafe extern "C-unwind" fn cnd_timedwait_for(condition: Condition, mutex: Lock, time: Time, caller: usize) -> c_int {
+    // SAFETY: as above.
     of_c11(unsafe { cond_timedwait_for(condition, mutex, time, caller) })
 }
 
@@ -229,6 +238,16 @@ unsafe extern "C-unwind" fn join_for(thread: libc::pthread_t, answer: *mut *mut 
     without_limit(caller, || unsafe { real::pthread_join(thread, answer) })
 }
 
+unsafe extern "C-unwind" fn thrd_join_for(thread: libc::pthread_t, answer: *mut c_int, caller: usize) -> c_int {
+    // SAFETY: the program's own call.
+    without_limit(caller, || unsafe { real::thrd_join(thread, answer) })
+}
+
+unsafe extern "C-unwind" fn barrier_for(barrier: *mut libc::pthread_barrier_t, caller: usize) -> c_int {
+    // SAFETY: the program's own call.
+    without_limit(caller, || unsafe { real::pthread_barrier_wait(barrier) })
+}
+
 unsafe extern "C-unwind" fn timedjoin_for(
     thread: libc::pthread_t,
     answer: *mut *mut c_void,
@@ -236,8 +255,21 @@ unsafe extern "C-unwind" fn timedjoin_for(
     caller: usize,
 ) -> c_int {
     // SAFETY: the program's own call.
+    unsafe { clockjoin_for(thread, answer, libc::CLOCK_REALTIME, time, caller) }
+}
+
+unsafe extern "C-unwind" fn clockjoin_for(
+    thread: libc::pthread_t,
+    answer: *mut *mut c_void,
+    clock: c_int,
+    time: Time,
+    caller: usize,
+) -> c_int {
+    // SAFETY: the program's own call.
     unsafe {
-        let Some(deadline) = limit(time, caller) else { return real::pthread_timedjoin_np(thread, answer, time) };
+        let Some(deadline) = limit(time, caller) else {
+            return real::pthread_clockjoin_np(thread, answer, clock, time);
+        };
         wait_for_thread(deadline, |end| real::pthread_clockjoin_np(thread, answer, libc::CLOCK_MONOTONIC, end))
     }
 }

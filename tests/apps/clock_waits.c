@@ -10,6 +10,7 @@
 #include <poll.h>
 #include <pthread.h>
 #include <semaphore.h>
+#include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,6 +18,7 @@
 #include <sys/select.h>
 #include <sys/syscall.h>
 #include <sys/timerfd.h>
+#include <sys/wait.h>
 #include <threads.h>
 #include <time.h>
 #include <unistd.h>
@@ -181,6 +183,130 @@ static void locks(void)
     passed(before, 3, "mtx_timedlock");
 }
 
+static int sleeps_c11(void *unused)
+{
+    struct timespec length = {0, 20000000};
+    check(thrd_sleep(&length, NULL) == 0, "thrd_sleep");
+    return unused != NULL;
+}
+
+static cnd_t told;
+static mtx_t lock;
+static int turn;
+
+static int tells(void *unused)
+{
+    sleeps_c11(unused);
+    mtx_lock(&lock);
+    turn++;
+    cnd_signal(&told);
+    mtx_unlock(&lock);
+    return 7;
+}
+
+static pthread_barrier_t barrier;
+
+static void *comes_late(void *unused)
+{
+    usleep(20000);
+    pthread_barrier_wait(&barrier);
+    return unused;
+}
+
+static int to_child[2];
+
+static void *ends_child(void *unused)
+{
+    usleep(20000);
+    check(write(to_child[1], "x", 1) == 1, "the pipe is full");
+    return unused;
+}
+
+/* Waits for a process, to which a thread that sleeps sends a word. */
+static void for_process(pid_t (*wait_for)(pid_t))
+{
+    check(pipe(to_child) == 0, "no pipe");
+    pid_t child = fork();
+    if (child == 0) {
+        char byte;
+        _exit(read(to_child[0], &byte, 1) == 1 ? 0 : 1);
+    }
+    pthread_t thread;
+    pthread_create(&thread, NULL, ends_child, NULL);
+    check(wait_for(child) == child, "a wait for a process");
+    pthread_join(thread, NULL);
+}
+
+static pid_t by_waitpid(pid_t child)
+{
+    return waitpid(child, NULL, 0);
+}
+
+static pid_t by_waitid(pid_t child)
+{
+    siginfo_t answer;
+    return waitid(P_PID, (id_t)child, &answer, WEXITED) == 0 ? answer.si_pid : -1;
+}
+
+static void *stays(void *unused)
+{
+    for (;;)
+        pause();
+    return unused;
+}
+
+/* Real time, in seconds. */
+static double real(void)
+{
+    double seconds = 0;
+    FILE *file = fopen("/proc/uptime", "r");
+    check(file && fscanf(file, "%lf", &seconds) == 1, "the system's uptime can be read");
+    if (file)
+        fclose(file);
+    return seconds;
+}
+
+/* Waits for threads without a limit. Those sleep in real time meanwhile. */
+static void without_limit(void)
+{
+    double before = now(), begin = real();
+    thrd_t thread;
+    int answer = 0;
+    cnd_init(&told);
+    mtx_init(&lock, mtx_plain);
+    thrd_create(&thread, tells, NULL);
+    mtx_lock(&lock);
+    while (turn == 0)
+        check(cnd_wait(&told, &lock) == thrd_success, "cnd_wait");
+    mtx_unlock(&lock);
+    check(thrd_join(thread, &answer) == thrd_success && answer == 7, "thrd_join");
+    thrd_create(&thread, tells, NULL);
+    check(thrd_join(thread, &answer) == thrd_success && answer == 7, "thrd_join of a thread that sleeps");
+    pthread_barrier_init(&barrier, NULL, 2);
+    pthread_t late;
+    pthread_create(&late, NULL, comes_late, NULL);
+    pthread_barrier_wait(&barrier);
+    pthread_join(late, NULL);
+    for_process(by_waitpid);
+    for_process(by_waitid);
+    passed(before, 0, "waits without a limit");
+    check(real() - begin < 4, "nobody waits until the drawing thread counts as stalled");
+
+    pthread_create(&late, NULL, stays, NULL);
+    before = now();
+    struct timespec date = date_after(1);
+    check(pthread_timedjoin_np(late, NULL, &date) == ETIMEDOUT, "pthread_timedjoin_np is late");
+    passed(before, 1, "pthread_timedjoin_np");
+    clock_gettime(CLOCK_MONOTONIC, &date);
+    date.tv_sec += 2;
+    begin = real();
+    check(pthread_clockjoin_np(late, NULL, CLOCK_MONOTONIC, &date) == ETIMEDOUT, "pthread_clockjoin_np is late");
+    passed(before, 3, "pthread_clockjoin_np");
+    check(real() - begin < 1, "pthread_clockjoin_np takes the program's time");
+    pthread_cancel(late);
+    pthread_join(late, NULL);
+}
+
 static void *sleeps(void *unused)
 {
     for (int i = 0; i < 5; i++)
@@ -245,6 +371,7 @@ int main(void)
     with_files();
     system_calls();
     locks();
+    without_limit();
     with_threads(frame);
     return clock_complaints() > 0;
 }
