@@ -47,40 +47,96 @@ const REAL: [&str; 37] = [
     "libusb",
 ];
 
-/// Verdicts so far: twice the address of a call, plus 1 for the program. Two addresses with the
-/// same slot replace each other. A library that is loaded where another was unloaded gets the
+/// Prefixes of the names of libraries that get the program's time, but the real number of the
+/// process. They tell it to others, who look for the process, or give them credentials: the bus of
+/// the session, window managers, assistive technology, the parts of an MPI job.
+const REAL_NUMBER: [&str; 28] = [
+    "libgio-",
+    "libglib-",
+    "libgobject-",
+    "libgdk",
+    "libgtk",
+    "libQt5",
+    "libQt6",
+    "libKF5",
+    "libKF6",
+    "libwx_",
+    "libSDL",
+    "libglfw",
+    "libglut",
+    "libSM.",
+    "libICE.",
+    "libXt.",
+    "libatspi",
+    "libatk-bridge",
+    "libibus",
+    "libpolkit",
+    "libavahi",
+    "libmpi",
+    "libopen-rte",
+    "libopen-pal",
+    "libprrte",
+    "libpmix",
+    "libuc",
+    "libfabric",
+];
+
+/// A caller that gets the program's time.
+const TIME: usize = 1;
+/// A caller that gets the number of the process that is the same in each run.
+const NUMBER: usize = 2;
+
+/// Verdicts so far: four times the address of a call, plus what the caller gets. Two addresses with
+/// the same slot replace each other. A library that is loaded where another was unloaded gets the
 /// verdict about that one.
 static SEEN: [AtomicUsize; 1024] = [const { AtomicUsize::new(0) }; 1024];
 
 /// True if a call that returns to `address` gets virtual time.
 pub fn is_served(address: usize) -> bool {
+    verdict(address) & TIME != 0
+}
+
+/// True if a call that returns to `address` gets the same number of the process in each run.
+pub fn gets_number(address: usize) -> bool {
+    verdict(address) & NUMBER != 0
+}
+
+/// What a call that returns to `address` gets.
+fn verdict(address: usize) -> usize {
     if settings::settings().is_none() {
-        return false;
+        return 0;
     }
     let slot = &SEEN[(address ^ (address >> 10)) % SEEN.len()];
     let seen = slot.load(Ordering::Relaxed);
-    if seen >> 1 == address {
-        return seen & 1 == 1;
+    if seen >> 2 == address {
+        return seen & (TIME | NUMBER);
     }
-    let served = !is_real(address);
-    slot.store(address << 1 | usize::from(served), Ordering::Relaxed);
-    served
+    let verdict = judge(address);
+    slot.store(address << 2 | verdict, Ordering::Relaxed);
+    verdict
 }
 
-/// True if the library at `address` gets real time. Code outside of libraries is the program's.
-fn is_real(address: usize) -> bool {
+/// What the library at `address` gets. Code outside of libraries is the program's.
+fn judge(address: usize) -> usize {
     // SAFETY: asks the dynamic linker about an address; the answer's text is its own.
     let path = unsafe {
         let mut info: libc::Dl_info = std::mem::zeroed();
         if libc::dladdr(address as *const c_void, &mut info) == 0 || info.dli_fname.is_null() {
-            return false;
+            return TIME | NUMBER;
         }
         CStr::from_ptr(info.dli_fname).to_bytes()
     };
     let name = path.rsplit(|byte| *byte == b'/').next().unwrap_or(path);
     let is_library = name.windows(3).any(|part| part == b".so");
     let is_driver = name.ends_with(b"_dri.so") || path.windows(5).any(|part| part == b"/dri/");
-    is_library && (is_driver || REAL.iter().any(|begin| name.starts_with(begin.as_bytes())))
+    let is_among = |names: &[&str]| is_library && names.iter().any(|begin| name.starts_with(begin.as_bytes()));
+    if (is_library && is_driver) || is_among(&REAL) {
+        0
+    } else if is_among(&REAL_NUMBER) {
+        TIME
+    } else {
+        TIME | NUMBER
+    }
 }
 
 /// Exports functions of libc. Each passes its call on to a function here with one argument more:

@@ -38,6 +38,7 @@ static BEGIN: extern "C" fn() = {
     extern "C" fn begin() {
         real::prepare();
         if settings::settings().is_some() {
+            process::begin();
             // SAFETY: functions that stay. If there is no memory for them, copies of this process
             // may hang.
             unsafe { libc::pthread_atfork(Some(before_fork), Some(after_fork), Some(in_copy)) };

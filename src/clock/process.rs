@@ -1,16 +1,171 @@
-//! Waits for processes.
+//! The number of the program's process, and waits for processes.
+//!
+//! The program reads a number that is the same in each run, because programs make seeds of it. It
+//! stands for the real one where the program hands it to the system.
 
-use super::caller::interpose;
+use super::caller::{gets_number, interpose};
 use super::real;
 use super::threads::without_limit;
-use std::ffi::{c_int, c_void};
+use std::ffi::{c_int, c_long, c_uint, c_ulong, c_void};
+use std::sync::atomic::{AtomicI32, Ordering};
 
 interpose! {
+    0 getpid => getpid_for;
+    0 getppid => getppid_for;
+    2 kill => kill_for;
+    2 killpg => killpg_for;
+    3 tgkill => tgkill_for;
+    3 sigqueue => sigqueue_for;
+    1 getpgid => getpgid_for;
+    2 setpgid => setpgid_for;
+    1 getsid => getsid_for;
+    3 sched_setaffinity => sched_setaffinity_for;
+    3 sched_getaffinity => sched_getaffinity_for;
+    3 sched_setscheduler => sched_setscheduler_for;
+    1 sched_getscheduler => sched_getscheduler_for;
+    2 sched_setparam => sched_setparam_for;
+    2 sched_getparam => sched_getparam_for;
+    2 sched_rr_get_interval => sched_rr_get_interval_for;
+    3 setpriority => setpriority_for;
+    2 getpriority => getpriority_for;
+    2 pidfd_open => pidfd_open_for;
+    4 prlimit => prlimit_for;
+    4 prlimit64 => prlimit_for;
+    6 process_vm_readv => process_vm_readv_for;
+    6 process_vm_writev => process_vm_writev_for;
     1 wait => wait_for;
     3 waitpid => waitpid_for;
     3 wait3 => wait3_for;
     4 wait4 => wait4_for;
     4 waitid => waitid_for;
+}
+
+/// Number that the program reads. No process has this number.
+const PROCESS: libc::pid_t = (1 << 22) + 1;
+
+/// Real number of the process in which the program began. Copies that `fork` makes know it, too.
+static FIRST: AtomicI32 = AtomicI32::new(0);
+
+/// Notes the number of this process.
+pub fn begin() {
+    // SAFETY: returns a number.
+    FIRST.store(unsafe { real::getpid() }, Ordering::Relaxed);
+}
+
+/// The number that a caller reads for this real one.
+fn read(process: libc::pid_t, caller: usize) -> libc::pid_t {
+    if process == FIRST.load(Ordering::Relaxed) && gets_number(caller) { PROCESS } else { process }
+}
+
+/// The real number that the program means. A negative one means a group of processes.
+fn real_number(process: libc::pid_t) -> libc::pid_t {
+    match (process, FIRST.load(Ordering::Relaxed)) {
+        (PROCESS, first) if first != 0 => first,
+        (process, first) if process == -PROCESS && first != 0 => -first,
+        (process, _) => process,
+    }
+}
+
+pub unsafe extern "C" fn getpid_for(caller: usize) -> libc::pid_t {
+    // SAFETY: returns a number.
+    read(unsafe { real::getpid() }, caller)
+}
+
+pub unsafe extern "C" fn getppid_for(caller: usize) -> libc::pid_t {
+    // SAFETY: returns a number.
+    read(unsafe { real::getppid() }, caller)
+}
+
+/// Defines functions whose first argument is the number of a process.
+macro_rules! with_number {
+    ($($name:ident($($argument:ident: $kind:ty),*) -> $result:ty => $real:ident;)*) => {$(
+        unsafe extern "C" fn $name(process: libc::pid_t, $($argument: $kind,)* _caller: usize) -> $result {
+            // SAFETY: the program's own call.
+            unsafe { real::$real(real_number(process), $($argument),*) }
+        }
+    )*};
+}
+
+with_number! {
+    kill_for(signal: c_int) -> c_int => kill;
+    killpg_for(signal: c_int) -> c_int => killpg;
+    sigqueue_for(signal: c_int, value: usize) -> c_int => sigqueue;
+    getpgid_for() -> libc::pid_t => getpgid;
+    getsid_for() -> libc::pid_t => getsid;
+    sched_setaffinity_for(size: usize, set: *const c_void) -> c_int => sched_setaffinity;
+    sched_getaffinity_for(size: usize, set: *mut c_void) -> c_int => sched_getaffinity;
+    sched_setscheduler_for(policy: c_int, value: *const c_void) -> c_int => sched_setscheduler;
+    sched_getscheduler_for() -> c_int => sched_getscheduler;
+    sched_setparam_for(value: *const c_void) -> c_int => sched_setparam;
+    sched_getparam_for(value: *mut c_void) -> c_int => sched_getparam;
+    sched_rr_get_interval_for(time: *mut libc::timespec) -> c_int => sched_rr_get_interval;
+    pidfd_open_for(flags: c_uint) -> c_int => pidfd_open;
+    prlimit_for(kind: c_int, new: *const c_void, old: *mut c_void) -> c_int => prlimit;
+    process_vm_readv_for(own: *const libc::iovec, own_count: c_ulong, other: *const libc::iovec, count: c_ulong,
+        flags: c_ulong) -> isize => process_vm_readv;
+    process_vm_writev_for(own: *const libc::iovec, own_count: c_ulong, other: *const libc::iovec, count: c_ulong,
+        flags: c_ulong) -> isize => process_vm_writev;
+}
+
+unsafe extern "C" fn tgkill_for(process: libc::pid_t, thread: libc::pid_t, signal: c_int, _caller: usize) -> c_int {
+    // SAFETY: the program's own call. The first thread has the number of the process.
+    unsafe { real::tgkill(real_number(process), real_number(thread), signal) }
+}
+
+unsafe extern "C" fn setpgid_for(process: libc::pid_t, group: libc::pid_t, _caller: usize) -> c_int {
+    // SAFETY: the program's own call.
+    unsafe { real::setpgid(real_number(process), real_number(group)) }
+}
+
+/// The number of the user in the second argument of `getpriority` is none of a process.
+fn real_holder(kind: c_uint, holder: c_uint) -> c_uint {
+    if kind == libc::PRIO_USER as c_uint { holder } else { real_number(holder.cast_signed()).cast_unsigned() }
+}
+
+unsafe extern "C" fn setpriority_for(kind: c_uint, holder: c_uint, priority: c_int, _caller: usize) -> c_int {
+    // SAFETY: the program's own call.
+    unsafe { real::setpriority(kind, real_holder(kind, holder), priority) }
+}
+
+unsafe extern "C" fn getpriority_for(kind: c_uint, holder: c_uint, _caller: usize) -> c_int {
+    // SAFETY: the program's own call.
+    unsafe { real::getpriority(kind, real_holder(kind, holder)) }
+}
+
+/// An argument of a system call that is the number of a process. The system looks at its lower half.
+pub fn real_argument(process: usize) -> usize {
+    real_number(process as libc::pid_t) as usize
+}
+
+/// Arguments of a system call with real numbers of processes.
+pub fn real_arguments(number: c_long, mut arguments: [usize; 6]) -> [usize; 6] {
+    let places: &[usize] = match number {
+        libc::SYS_tgkill | libc::SYS_rt_tgsigqueueinfo | libc::SYS_setpgid => &[0, 1],
+        libc::SYS_kill
+        | libc::SYS_tkill
+        | libc::SYS_rt_sigqueueinfo
+        | libc::SYS_getpgid
+        | libc::SYS_getsid
+        | libc::SYS_sched_setaffinity
+        | libc::SYS_sched_getaffinity
+        | libc::SYS_sched_setscheduler
+        | libc::SYS_sched_getscheduler
+        | libc::SYS_sched_setparam
+        | libc::SYS_sched_getparam
+        | libc::SYS_sched_setattr
+        | libc::SYS_sched_getattr
+        | libc::SYS_sched_rr_get_interval
+        | libc::SYS_pidfd_open
+        | libc::SYS_prlimit64
+        | libc::SYS_process_vm_readv
+        | libc::SYS_process_vm_writev => &[0],
+        libc::SYS_setpriority | libc::SYS_getpriority if arguments[0] != libc::PRIO_USER as usize => &[1],
+        _ => &[],
+    };
+    for place in places {
+        arguments[*place] = real_argument(arguments[*place]);
+    }
+    arguments
 }
 
 /// Waits for a process: as [`without_limit`], unless the options are to return at once.
@@ -30,7 +185,7 @@ unsafe extern "C-unwind" fn waitpid_for(
     caller: usize,
 ) -> libc::pid_t {
     // SAFETY: the program's own call.
-    wait_for_process(options, caller, || unsafe { real::waitpid(process, status, options) })
+    wait_for_process(options, caller, || unsafe { real::waitpid(real_number(process), status, options) })
 }
 
 unsafe extern "C-unwind" fn wait3_for(
@@ -51,7 +206,7 @@ pub unsafe extern "C-unwind" fn wait4_for(
     caller: usize,
 ) -> libc::pid_t {
     // SAFETY: the program's own call.
-    wait_for_process(options, caller, || unsafe { real::wait4(process, status, options, usage) })
+    wait_for_process(options, caller, || unsafe { real::wait4(real_number(process), status, options, usage) })
 }
 
 unsafe extern "C-unwind" fn waitid_for(
@@ -61,6 +216,7 @@ unsafe extern "C-unwind" fn waitid_for(
     options: c_int,
     caller: usize,
 ) -> c_int {
+    let process = real_number(process.cast_signed()).cast_unsigned();
     // SAFETY: the program's own call.
     wait_for_process(options, caller, || unsafe { real::waitid(kind, process, answer, options) })
 }

@@ -14,13 +14,7 @@ interpose! {
     2 timespec_get => timespec_get_for;
     0 clock => clock_for;
     1 times => times_for;
-    0 getpid => getpid_for;
-    2 kill => kill_for;
 }
-
-/// Process number that the program reads, because programs make seeds of it. No process has this
-/// number.
-const PROCESS: libc::pid_t = (1 << 22) + 1;
 
 /// Time of a clock for a program that reads it; `None` if libc answers.
 fn time_of(clock: libc::clockid_t, caller: usize) -> Option<libc::timespec> {
@@ -116,32 +110,4 @@ unsafe extern "C" fn times_for(times: *mut libc::tms, caller: usize) -> libc::cl
         unsafe { times.write(libc::tms { tms_utime: ticks, tms_stime: 0, tms_cutime: 0, tms_cstime: 0 }) };
     }
     ticks
-}
-
-/// True for the process in which the program began. A copy that `fork` made reads its own number.
-fn is_first(process: libc::pid_t) -> bool {
-    use std::sync::atomic::{AtomicI32, Ordering};
-    static FIRST: AtomicI32 = AtomicI32::new(0);
-    match FIRST.compare_exchange(0, process, Ordering::Relaxed, Ordering::Relaxed) {
-        Ok(_) => true,
-        Err(first) => first == process,
-    }
-}
-
-pub unsafe extern "C" fn getpid_for(caller: usize) -> libc::pid_t {
-    // SAFETY: returns a number.
-    let process = unsafe { real::getpid() };
-    if is_served(caller) && is_first(process) { PROCESS } else { process }
-}
-
-unsafe extern "C" fn kill_for(process: libc::pid_t, signal: c_int, _caller: usize) -> c_int {
-    // SAFETY: returns a number.
-    let own = unsafe { real::getpid() };
-    let process = match process {
-        PROCESS => own,
-        process if process == -PROCESS => -own,
-        process => process,
-    };
-    // SAFETY: the program's own call.
-    unsafe { real::kill(process, signal) }
 }

@@ -1,6 +1,6 @@
 //! The functions of libc behind the names that this library exports.
 
-use std::ffi::{CStr, c_char, c_int, c_long, c_uint, c_void};
+use std::ffi::{CStr, c_char, c_int, c_long, c_uint, c_ulong, c_void};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Address of the next function of this name; 0 if there is none.
@@ -60,7 +60,29 @@ functions! {
     clock() -> libc::clock_t = -1;
     times(times: *mut libc::tms) -> libc::clock_t = -1;
     getpid() -> libc::pid_t = -1;
+    getppid() -> libc::pid_t = -1;
     kill(process: libc::pid_t, signal: c_int) -> c_int = fail(libc::ENOSYS);
+    killpg(group: libc::pid_t, signal: c_int) -> c_int = fail(libc::ENOSYS);
+    tgkill(process: libc::pid_t, thread: libc::pid_t, signal: c_int) -> c_int = fail(libc::ENOSYS);
+    sigqueue(process: libc::pid_t, signal: c_int, value: usize) -> c_int = fail(libc::ENOSYS);
+    getpgid(process: libc::pid_t) -> libc::pid_t = fail(libc::ENOSYS);
+    setpgid(process: libc::pid_t, group: libc::pid_t) -> c_int = fail(libc::ENOSYS);
+    getsid(process: libc::pid_t) -> libc::pid_t = fail(libc::ENOSYS);
+    sched_setaffinity(process: libc::pid_t, size: usize, set: *const c_void) -> c_int = fail(libc::ENOSYS);
+    sched_getaffinity(process: libc::pid_t, size: usize, set: *mut c_void) -> c_int = fail(libc::ENOSYS);
+    sched_setscheduler(process: libc::pid_t, policy: c_int, value: *const c_void) -> c_int = fail(libc::ENOSYS);
+    sched_getscheduler(process: libc::pid_t) -> c_int = fail(libc::ENOSYS);
+    sched_setparam(process: libc::pid_t, value: *const c_void) -> c_int = fail(libc::ENOSYS);
+    sched_getparam(process: libc::pid_t, value: *mut c_void) -> c_int = fail(libc::ENOSYS);
+    sched_rr_get_interval(process: libc::pid_t, time: *mut libc::timespec) -> c_int = fail(libc::ENOSYS);
+    setpriority(kind: c_uint, holder: c_uint, priority: c_int) -> c_int = fail(libc::ENOSYS);
+    getpriority(kind: c_uint, holder: c_uint) -> c_int = fail(libc::ENOSYS);
+    pidfd_open(process: libc::pid_t, flags: c_uint) -> c_int = fail(libc::ENOSYS);
+    prlimit(process: libc::pid_t, kind: c_int, new: *const c_void, old: *mut c_void) -> c_int = fail(libc::ENOSYS);
+    process_vm_readv(process: libc::pid_t, own: *const libc::iovec, own_count: c_ulong, other: *const libc::iovec,
+        count: c_ulong, flags: c_ulong) -> isize = fail(libc::ENOSYS) as isize;
+    process_vm_writev(process: libc::pid_t, own: *const libc::iovec, own_count: c_ulong, other: *const libc::iovec,
+        count: c_ulong, flags: c_ulong) -> isize = fail(libc::ENOSYS) as isize;
     nanosleep(time: *const libc::timespec, left: *mut libc::timespec) -> c_int = fail(libc::ENOSYS);
     clock_nanosleep(clock: libc::clockid_t, flags: c_int, time: *const libc::timespec, left: *mut libc::timespec)
         -> c_int = libc::ENOSYS;

@@ -33,7 +33,8 @@ unsafe extern "C-unwind" fn syscall_for(
             libc::SYS_gettimeofday => reads::gettimeofday_for(a as *mut _, b as *mut _, caller).into(),
             #[cfg(target_arch = "x86_64")]
             libc::SYS_time => reads::time_for(a as *mut _, caller),
-            libc::SYS_getpid => reads::getpid_for(caller).into(),
+            libc::SYS_getpid => process::getpid_for(caller).into(),
+            libc::SYS_getppid => process::getppid_for(caller).into(),
             libc::SYS_getrandom => random::getrandom_for(a as *mut _, b, c as _, caller) as c_long,
             libc::SYS_nanosleep => sleeps::nanosleep_for(a as *const _, b as *mut _, caller).into(),
             libc::SYS_clock_nanosleep => {
@@ -94,7 +95,10 @@ unsafe fn files(number: c_long, arguments: [usize; 6], caller: usize) -> c_long 
             libc::SYS_dup => descriptors::dup_for(file, caller).into(),
             libc::SYS_dup3 => descriptors::dup3_for(file, b as c_int, c as c_int, caller).into(),
             libc::SYS_fcntl => descriptors::fcntl_for(file, b as c_int, c, caller).into(),
-            _ => real::syscall(number, a, b, c, d, e, f),
+            _ => {
+                let [a, b, c, d, e, f] = process::real_arguments(number, arguments);
+                real::syscall(number, a, b, c, d, e, f)
+            }
         }
     }
 }

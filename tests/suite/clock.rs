@@ -2,13 +2,14 @@
 
 use crate::compare::expect_identical_captures;
 use crate::harness::{note, tests};
-use crate::programs::{Finished, Run, built};
+use crate::programs::{Finished, Run, built, preload, scratch};
 use std::path::Path;
 use std::process::Command;
 
 tests! {
     waits_last_the_programs_time,
     timers_that_are_files_follow_the_programs_time,
+    the_system_understands_the_number_of_the_process,
     two_runs_are_equal,
     without_the_clock_two_runs_differ,
     another_seed_gives_other_numbers,
@@ -57,6 +58,17 @@ fn timers_that_are_files_follow_the_programs_time() {
     {
         checks_itself("clock_timers", &[part]);
     }
+}
+
+/// Two copies of a library, with the name of GLib's for the bus of the session and with another.
+fn the_system_understands_the_number_of_the_process() {
+    let folder = scratch("number");
+    let copies = ["libgio-2.0.so.0", "libother.so"].map(|name| {
+        let copy = folder.join(name);
+        std::fs::copy(preload("own_number"), &copy).expect("a library can be copied");
+        copy.to_str().expect("a UTF-8 path").to_owned()
+    });
+    checks_itself("clock_process", &[&copies[0], &copies[1]]);
 }
 
 fn two_runs_are_equal() {

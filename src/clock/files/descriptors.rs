@@ -3,8 +3,8 @@
 use super::timers::{self, Taken, Watched};
 use super::{pointer, real_limit, wait_for_files};
 use crate::caller::{interpose, is_served};
-use crate::real;
 use crate::timeline::{self, seen};
+use crate::{process, real};
 use std::ffi::{c_int, c_void};
 
 interpose! {
@@ -142,6 +142,7 @@ pub unsafe extern "C" fn dup3_for(file: c_int, new: c_int, flags: c_int, _caller
 /// The third argument exists only for some commands. Both kinds of processors pass it in a register
 /// in any case.
 pub unsafe extern "C-unwind" fn fcntl_for(file: c_int, command: c_int, argument: usize, _caller: usize) -> c_int {
+    let argument = if command == libc::F_SETOWN { process::real_argument(argument) } else { argument };
     // SAFETY: the program's own call.
     let answer = unsafe { real::fcntl(file, command, argument) };
     if matches!(command, libc::F_DUPFD | libc::F_DUPFD_CLOEXEC) {
