@@ -209,7 +209,7 @@ pub unsafe extern "C-unwind" fn wait4_for(
     wait_for_process(options, caller, || unsafe { real::wait4(real_number(process), status, options, usage) })
 }
 
-unsafe extern "C-unwind" fn waitid_for(
+pub unsafe extern "C-unwind" fn waitid_for(
     kind: c_int,
     process: libc::id_t,
     answer: *mut c_void,

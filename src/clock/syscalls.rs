@@ -47,6 +47,10 @@ unsafe extern "C-unwind" fn syscall_for(
             libc::SYS_wait4 => {
                 process::wait4_for(a as libc::pid_t, b as *mut _, c as c_int, d as *mut _, caller).into()
             }
+            // The last argument, which libc lacks, asks for the usage of resources.
+            libc::SYS_waitid if e == 0 => {
+                process::waitid_for(a as c_int, b as libc::id_t, c as *mut _, d as c_int, caller).into()
+            }
             libc::SYS_futex => futex(a, b, c, d, e, f).unwrap_or_else(|| real::syscall(number, a, b, c, d, e, f)),
             _ => files(number, [a, b, c, d, e, f], caller),
         }

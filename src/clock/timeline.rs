@@ -109,9 +109,8 @@ pub fn seen() -> u64 {
     if stands() {
         // The marks move along: time that was held does not count later.
         GROWN.store(real, Ordering::Release);
-        if is_blocked() {
-            BLOCKED.store(real, Ordering::Release);
-        }
+        // The drawing thread may end its wait at this moment; then there is nothing to update.
+        let _ = BLOCKED.fetch_update(Ordering::AcqRel, Ordering::Acquire, |begin| (begin != 0).then_some(real));
     }
     let extra = match (is_blocked(), GROWN.load(Ordering::Acquire)) {
         (true, _) => blocked_for(real),
@@ -348,7 +347,9 @@ pub fn wait_again<R>(
             continue;
         };
         let real = real::now();
-        let left = deadline.saturating_sub(if draws { now() + blocked_for(real) } else { seen() });
+        // After a wait without a limit the time is later for other threads, who may have set the deadline.
+        let blocked_for = if blocked.is_some() { blocked_for(real) } else { 0 };
+        let left = deadline.saturating_sub(seen().saturating_add(blocked_for));
         let (begin, length) = match known {
             Some((before, begin, length)) if before == deadline => (begin, length),
             _ => (real, left),
@@ -356,7 +357,9 @@ pub fn wait_again<R>(
         known = Some((deadline, begin, length));
         let (part, is_last) = if draws {
             let patience = if is_held_before(deadline) { HELD_WAIT } else { patience };
-            let rest = Duration::from_nanos(length).min(patience).saturating_sub(Duration::from_nanos(real - begin));
+            let rest = Duration::from_nanos(length)
+                .min(patience)
+                .saturating_sub(Duration::from_nanos(real.saturating_sub(begin)));
             (again.map_or(rest, |again| again.min(rest)), again.is_none_or(|again| rest <= again))
         } else {
             (Duration::from_nanos(left).min(SLICE), left == 0)

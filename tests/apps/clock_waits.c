@@ -140,7 +140,8 @@ static void system_calls(void)
         const void *mask;
         size_t size;
     } none = {NULL, 8};
-    check(syscall(SYS_pselect6, ends[0] + 1, &set, NULL, NULL, &limit, &none) == 0, "the system call pselect6 is late");
+    check(syscall(SYS_pselect6, ends[0] + 1, &set, NULL, NULL, &limit, &none) == 0,
+          "the system call pselect6 is late");
     passed(before, 0.02, "the system call pselect6");
     check(syscall(SYS_epoll_pwait, epoll, &event, 1, 10, NULL, 8) == 0, "the system call epoll_pwait is late");
     passed(before, 0.03, "the system call epoll_pwait");

@@ -3,7 +3,7 @@
 
 use crate::caller::{interpose, is_served};
 use crate::real;
-use crate::timeline::{SLICE, after, moment, nanoseconds, now, start_of, timespec};
+use crate::timeline::{SLICE, after, moment, nanoseconds, seen, start_of, timespec};
 use std::ffi::{c_int, c_long};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -35,7 +35,7 @@ impl Timer {
     fn left(&self) -> libc::itimerspec {
         libc::itimerspec {
             it_interval: timespec(self.interval),
-            it_value: timespec(self.deadline.saturating_sub(now())),
+            it_value: timespec(self.deadline.saturating_sub(seen())),
         }
     }
 
@@ -288,7 +288,7 @@ pub unsafe extern "C" fn timerfd_settime_for(
     timer.expired = 0;
     set(file, 0);
     drop(timers);
-    fire(now());
+    fire(seen());
     0
 }
 
