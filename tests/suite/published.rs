@@ -8,7 +8,7 @@ use crate::programs::{Finished, Run, scratch};
 use cupola::ring::{Format, Frame, Next, Reader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::time::Duration;
 
 tests! {
@@ -16,6 +16,7 @@ tests! {
     a_domemaster_beside_the_window_is_as_one_in_it,
     vulkan_publishes_the_same,
     a_reader_in_c_gets_the_same,
+    a_reader_that_is_killed_does_not_hold_a_program_that_waits,
     pictures_of_16_bits_have_more_levels,
     vulkan_publishes_16_bits,
 }
@@ -66,6 +67,77 @@ fn recorded(run: &Run<'_>, start: impl Fn(&Run<'_>) -> Option<Finished>, options
         assert!(!file.exists(), "the file is removed");
         Some((finished, seen))
     })
+}
+
+/// Sends a signal to a process.
+fn signal(name: &str, process: u32) {
+    let sent = Command::new("sh").args(["-c", &format!("kill -s {name} {process}")]).status();
+    assert!(sent.is_ok_and(|status| status.success()), "{name} to {process}");
+}
+
+fn a_reader_that_is_killed_does_not_hold_a_program_that_waits() {
+    const FRAMES: usize = 200;
+    let file = scratch("killed").join("ring");
+    let publish = format!("--publish={}", file.display());
+    let (options, environment) = ([publish.as_str()], [("CUPOLA_PUBLISH_WAIT", "1")]);
+    let run = Run {
+        frames: FRAMES,
+        cupola_frames: FRAMES + 1,
+        size: (96, 96),
+        cupola: &options,
+        environment: &environment,
+        ..Run::new("by_time")
+    };
+    let (count, has_ended, is_killed) = (AtomicU64::new(0), AtomicBool::new(false), AtomicBool::new(false));
+    std::thread::scope(|scope| {
+        let reading = scope.spawn(|| {
+            let mut reader = loop {
+                match Reader::open(&file) {
+                    Ok(reader) => break reader,
+                    Err(_) if has_ended.load(Relaxed) => return,
+                    Err(_) => std::thread::sleep(Duration::from_millis(5)),
+                }
+            };
+            let mut frame = Frame::default();
+            while reader.next(LIMIT, &mut frame).expect("frames") == Next::Frame {
+                assert_eq!(frame.number, count.load(Relaxed), "a frame is missing");
+                count.store(frame.number + 1, Relaxed);
+                if !is_killed.load(Relaxed) {
+                    // The other reader has time to begin.
+                    std::thread::sleep(Duration::from_millis(10));
+                }
+            }
+            assert_eq!(reader.lost(), 0);
+        });
+        let killing = scope.spawn(|| {
+            while count.load(Relaxed) == 0 && !has_ended.load(Relaxed) {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            let mut other = Command::new(env!("CARGO_BIN_EXE_cupola"));
+            other.args(["stream", "-", "--format", "raw", "--published"]).arg(&file);
+            let mut other = other.stdin(Stdio::null()).stdout(Stdio::piped()).spawn().expect("a reader starts");
+            // It has read when it writes.
+            let mut bytes = [0; 4096];
+            std::io::Read::read_exact(other.stdout.as_mut().expect("a pipe"), &mut bytes).expect("a picture");
+            signal("STOP", other.id());
+            std::thread::sleep(Duration::from_millis(200));
+            let before = count.load(Relaxed);
+            std::thread::sleep(Duration::from_millis(300));
+            let (after, was_drawing) = (count.load(Relaxed), !has_ended.load(Relaxed));
+            signal("KILL", other.id());
+            is_killed.store(true, Relaxed);
+            other.wait().expect("it ends");
+            (before, after, was_drawing)
+        });
+        let finished = run.under("identity");
+        has_ended.store(true, Relaxed);
+        let (before, after, was_drawing) = killing.join().expect("the other reader");
+        reading.join().expect("a reader");
+        if finished.is_some() {
+            assert!(was_drawing && before == after, "the program does not wait: {before}, {after}");
+            assert_eq!(count.load(Relaxed), FRAMES as u64);
+        }
+    });
 }
 
 fn picture(frame: &Frame, name: &str) -> Picture {

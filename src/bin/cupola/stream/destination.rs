@@ -87,7 +87,7 @@ impl Encoding {
         match destination {
             Destination::Output | Destination::Ndi(_) | Destination::PipeWire(_) => {}
             Destination::Camera(device) => {
-                ffmpeg.args(["-pix_fmt", "yuv420p", "-f", "v4l2"]).arg(device);
+                ffmpeg.args(TELEVISION).args(["-pix_fmt", "yuv420p", "-f", "v4l2"]).arg(device);
             }
             Destination::Encoded { muxer, place } => {
                 ffmpeg.args(["-enc_time_base", "1:90000"]).args(TELEVISION);
