@@ -2,11 +2,14 @@
  * A head-up display over the cube, drawn in the three ways that programs use: glOrtho in pixels,
  * identity matrices, and a shader without a matrix. Each draws a half-transparent white square. Its
  * pixels are the mean of white and the cube.
+ *
+ * --mode first: only in the first two frames; --mode again: in these and from the 61st on; --mode never: in none.
  */
 #include "common/fixed.h"
 #include "common/program.h"
 
 #include <math.h>
+#include <string.h>
 
 static const char vertex[] = "#version 120\nattribute vec2 position;\nvoid main() { gl_Position = vec4(position, 0.0, 1.0); }\n";
 static const char fragment[] = "#version 120\nvoid main() { gl_FragColor = vec4(1.0, 1.0, 1.0, 0.5); }\n";
@@ -52,9 +55,19 @@ static void check(app *a)
     image_free(&picture);
 }
 
+static bool is_drawn(const app *a)
+{
+    if (!a->mode)
+        return true;
+    bool again = strcmp(a->mode, "again") == 0;
+    return (again || strcmp(a->mode, "first") == 0) && (a->frame < 2 || (again && a->frame >= 60));
+}
+
 static void draw(app *a)
 {
     fixed_cube(a);
+    if (!is_drawn(a))
+        return;
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     glColor4f(1.0f, 1.0f, 1.0f, 0.5f);

@@ -6,7 +6,7 @@ use crate::compare::{
 use crate::dialects::{camera_of, fisheye, identity, plain, planetarium, shown_by_fisheye, shown_by_window};
 use crate::harness::tests;
 use crate::picture::Picture;
-use crate::programs::{Run, scratch};
+use crate::programs::{Finished, Run, scratch};
 use crate::reference::{Fisheye, Vector, cube_colour, cube_face};
 
 tests! {
@@ -30,6 +30,7 @@ tests! {
     attachments_and_textures_that_change,
     old_and_new_entry_points,
     flat_drawing_into_a_scene,
+    a_panel_of_the_first_frames_leaves_nothing_behind,
     a_background_has_no_seams,
     a_picture_in_a_corner_is_on_the_panel,
     a_flat_scene_is_found_wrong,
@@ -310,6 +311,26 @@ fn a_flat_scene_is_found_wrong() {
         let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
         assert!(report.wrong * 2 > report.compared, "{mode}: only {} of {}", report.wrong, report.compared);
     }
+}
+
+/// A panel that is not used any more is removed, and the pictures are those of a program that never
+/// needed one. It comes back when it is used again.
+fn a_panel_of_the_first_frames_leaves_nothing_behind() {
+    let picture = |mode: &[&str]| {
+        let run = Run { frames: 80, cupola_frames: 80, size: (128, 128), extra: mode, ..Run::new("hud") };
+        Some(run.under("planetarium-2")?.expect_success().expect_no_gl_errors())
+    };
+    let (Some(never), Some(first)) = (picture(&["--mode", "never"]), picture(&["--mode", "first"])) else { return };
+    let (Some(always), Some(again)) = (picture(&[]), picture(&["--mode", "again"])) else { return };
+    for file in ["capture-front.png", "capture-back.png"] {
+        assert_eq!(first.picture(file).difference(&never.picture(file)).0, 0, "{file}: something is left");
+        assert_eq!(again.picture(file).difference(&always.picture(file)).0, 0, "{file}: the panel does not come back");
+    }
+    // Control: the squares are seen.
+    assert!(always.picture("capture-front.png").difference(&never.picture("capture-front.png")).0 > 100);
+    let texels = |run: &Finished| run.statistics()["atlas"].clone();
+    assert_eq!(texels(&first), texels(&never));
+    assert_ne!(texels(&first), texels(&always));
 }
 
 /// A head-up display that is drawn into the scene's image is at the same place as one in the

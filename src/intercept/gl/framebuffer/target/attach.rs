@@ -231,12 +231,13 @@ pub fn adopt(ctx: &mut Context) {
     }
 }
 
-/// Plans the views again for a program with this number of draws in a frame. Earlier drawing of the
-/// frame is lost.
-pub fn plan_for(ctx: &mut Context, draws: u32) {
+/// Plans the views again, for a program with this number of `draws` in a frame if it is known, and
+/// `without_panel`. Earlier drawing of the frame is lost.
+pub fn plan_for(ctx: &mut Context, draws: Option<u32>, without_panel: bool) {
     let Some(old) = ctx.drawable.take_target() else { return };
-    let extras = Extras { draws: Some(draws), ..old.extras() };
-    let same = |new: &Session| new.views() == old.session.views();
+    let before = old.extras();
+    let extras = Extras { draws: draws.or(before.draws), panel: before.panel && !without_panel, ..before };
+    let same = |new: &Session| new.views() == old.session.views() && extras.panel == before.panel;
     match old.session.with(extras) {
         Ok(new) if !same(&new) => {
             view_copies::clear(ctx);
@@ -245,7 +246,7 @@ pub fn plan_for(ctx: &mut Context, draws: u32) {
         }
         Ok(_) => ctx.drawable.put_target(old),
         Err(error) => {
-            log::once(&format!("the views are not adapted to the program's number of draws: {error}"));
+            log::once(&format!("the views are not adapted to what the program draws: {error}"));
             ctx.drawable.put_target(old);
         }
     }

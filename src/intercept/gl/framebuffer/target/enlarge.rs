@@ -13,6 +13,7 @@ use crate::runtime::session::Extras;
 
 /// Adds the flat panel at its first use.
 pub fn want_panel(ctx: &mut Context) {
+    ctx.frame.panel_use().note_used();
     let needed = ctx
         .drawable
         .target()

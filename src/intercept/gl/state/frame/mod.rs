@@ -1,13 +1,15 @@
 //! The present frame, and facts that are known from earlier frames.
 //!
 //! [`background`] separates flat drawing before the scene from drawing on the panel, [`draw_count`]
-//! counts draws, [`front_buffer`] limits flushes. [`statistics`] counts for `--stats`,
+//! counts draws, [`front_buffer`] limits flushes, [`panel_use`] tells when the panel is useless.
+//! [`statistics`] counts for `--stats`,
 //! [`device_times`] measures for it, [`publishing`] reads pictures back for other processes.
 
 pub mod background;
 pub mod device_times;
 pub mod draw_count;
 pub mod front_buffer;
+pub mod panel_use;
 pub mod publishing;
 pub mod statistics;
 
@@ -16,6 +18,7 @@ use crate::intercept::gl::state::frame::background::Background;
 use crate::intercept::gl::state::frame::device_times::DeviceTimes;
 use crate::intercept::gl::state::frame::draw_count::DrawCount;
 use crate::intercept::gl::state::frame::front_buffer::FrontBufferThrottle;
+use crate::intercept::gl::state::frame::panel_use::PanelUse;
 use crate::intercept::gl::state::frame::publishing::Publishing;
 use crate::intercept::gl::state::frame::statistics::Counts;
 use crate::intercept::process::small_window::SmallWindow;
@@ -56,6 +59,7 @@ pub struct Frame {
     largest_viewport: LargestViewport,
     /// Number of draws.
     draw_count: DrawCount,
+    panel_use: PanelUse,
     /// Limit of the flushes of the front buffer that are answered.
     front_buffer: FrontBufferThrottle,
     /// Number of corrections in a row in which the driver reported an error.
@@ -209,6 +213,11 @@ impl Frame {
     /// Returns the number of draws to plan the views for. Returns it once, when it is known.
     pub fn draws_to_plan_for(&mut self) -> Option<u32> {
         self.draw_count.take()
+    }
+
+    /// Use of the flat panel.
+    pub fn panel_use(&mut self) -> &mut PanelUse {
+        &mut self.panel_use
     }
 
     /// True if the front buffer may be shown at this time. It may not if the program flushes too
@@ -380,5 +389,6 @@ impl Frame {
         self.begun = false;
         self.scene_off_screen = false;
         self.draw_count.end_frame(self.counts.draws_seen);
+        self.panel_use.end_frame();
     }
 }
