@@ -145,7 +145,8 @@ pub fn kill_group(child: &Child) -> io::Result<()> {
     }
 }
 
-/// True if a signal that would end this process has come since [`note_end_signals`].
+/// True if a signal that would end this process has come since [`note_end_signals`] or
+/// [`run_in_foreground`].
 static END_ASKED_FOR: AtomicBool = AtomicBool::new(false);
 
 /// Keeps SIGINT, SIGTERM and SIGHUP from ending this process: [`end_was_asked_for`] reports that
@@ -200,21 +201,46 @@ pub fn run_in_foreground(command: &mut Command, limit: Option<Duration>) -> io::
         Some(limit) => wait_or_stop(&mut child, limit),
     };
     PROGRAM.store(0, Ordering::SeqCst);
-    ended
+    if STOPPED.swap(false, Ordering::SeqCst) { ended.map(|_| Ended::Stopped) } else { ended }
 }
 
-/// Sends SIGTERM to the program of [`run_in_foreground`], if it runs.
+/// True if the program of [`run_in_foreground`] was asked to end by [`stop_foreground`].
+static STOPPED: AtomicBool = AtomicBool::new(false);
+
+/// Ends the program of [`run_in_foreground`] with the processes that it started, if it runs: by
+/// SIGTERM, and by SIGKILL if it does not end then. It counts as stopped.
 pub fn stop_foreground() {
     let program = PROGRAM.load(Ordering::SeqCst);
-    if program > 0 {
-        // SAFETY: kill takes plain integers. The number is taken back when the program has been
-        // waited for.
-        unsafe { libc::kill(program, libc::SIGTERM) };
+    let Ok(id) = u32::try_from(program) else { return };
+    if id == 0 || STOPPED.swap(true, Ordering::SeqCst) {
+        return;
     }
+    let family = family_of(id);
+    send_to(&family, libc::SIGTERM);
+    std::thread::spawn(move || {
+        std::thread::sleep(GRACE);
+        // Otherwise it has been waited for, and the numbers may be those of others.
+        if PROGRAM.load(Ordering::SeqCst) == program {
+            send_to(&family, libc::SIGKILL);
+        }
+    });
 }
 
 /// Time that a program has after SIGTERM.
 const GRACE: Duration = Duration::from_secs(5);
+
+/// A process, and those that it has started.
+fn family_of(id: u32) -> Vec<u32> {
+    let mut family = vec![id];
+    add_descendants(id, &mut family);
+    family
+}
+
+/// Sends a signal to processes; 0 only asks. Returns how many are there.
+fn send_to(family: &[u32], signal: libc::c_int) -> usize {
+    // SAFETY: kill takes plain integers; a process that ended meanwhile is at worst not there.
+    family.iter().filter(|id| unsafe { libc::kill(**id as libc::pid_t, signal) } == 0).count()
+}
 
 /// Waits for a child. After `limit` the child and the processes that it started get SIGTERM. Those
 /// that do not end then get SIGKILL.
@@ -227,18 +253,13 @@ fn wait_or_stop(child: &mut Child, limit: Duration) -> io::Result<Ended> {
         }
         std::thread::sleep(STEP);
     }
-    let mut family = vec![child.id()];
-    add_descendants(child.id(), &mut family);
-    let send = |signal: libc::c_int| {
-        // SAFETY: kill takes plain integers; a process that ended meanwhile is at worst not there.
-        family.iter().filter(|id| unsafe { libc::kill(**id as libc::pid_t, signal) } == 0).count()
-    };
-    send(libc::SIGTERM);
+    let family = family_of(child.id());
+    send_to(&family, libc::SIGTERM);
     let stopped = Instant::now();
-    // A child that has ended, and was waited for, no longer exists; signal 0 only asks.
-    while child.try_wait()?.is_none() || send(0) > 0 {
+    // A child that has ended, and was waited for, no longer exists.
+    while child.try_wait()?.is_none() || send_to(&family, 0) > 0 {
         if stopped.elapsed() > GRACE {
-            send(libc::SIGKILL);
+            send_to(&family, libc::SIGKILL);
             child.wait()?;
             break;
         }
@@ -262,6 +283,9 @@ fn add_descendants(parent: u32, family: &mut Vec<u32>) {
 
 /// Signal handler: passes signals of other processes on to the program.
 extern "C" fn pass_on(signal: libc::c_int, info: *mut libc::siginfo_t, _context: *mut libc::c_void) {
+    if signal != libc::SIGQUIT {
+        END_ASKED_FOR.store(true, Ordering::SeqCst);
+    }
     let program = PROGRAM.load(Ordering::SeqCst);
     // SAFETY: the kernel passes a valid `info` to a handler installed with SA_SIGINFO.
     let from_process = unsafe { (*info).si_code } <= 0;

@@ -42,6 +42,8 @@ static void limit(const char *mode)
 {
     if (mode && strcmp(mode, "sleep") == 0) {
         usleep(10000);
+    } else if (mode && strcmp(mode, "slides") == 0) {
+        usleep(1500000);
     } else if (mode && strcmp(mode, "limit") == 0) {
         next += 1.0 / 30;
         while (now() < next)

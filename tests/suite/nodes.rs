@@ -17,6 +17,7 @@ tests! {
     a_vulkan_node_leaves_out_views_of_others,
     a_vulkan_node_draws_everything_if_queries_count,
     shaders_of_draws_write_the_same_on_all_vulkan_nodes,
+    a_show_that_the_user_ends_has_not_failed,
     stopped_and_killed_nodes_do_not_stop_the_others,
 }
 
@@ -339,6 +340,14 @@ impl Drop for Show {
             let _ = std::fs::remove_file(path);
         }
     }
+}
+
+fn a_show_that_the_user_ends_has_not_failed() {
+    let Some(mut show) = Show::start(2, &[], "by_time", &[]) else { return };
+    kill("INT", show.launcher.id());
+    until("the show ends", || show.launcher.try_wait().expect("its state can be read"));
+    let words = show.words();
+    assert!(!words.contains("has ended with an error"), "{words}");
 }
 
 fn stopped_and_killed_nodes_do_not_stop_the_others() {

@@ -88,7 +88,9 @@ fn a_reader_that_is_killed_does_not_hold_a_program_that_waits() {
         environment: &environment,
         ..Run::new("by_time")
     };
-    let (count, has_ended, is_killed) = (AtomicU64::new(0), AtomicBool::new(false), AtomicBool::new(false));
+    let (count, has_ended) = (AtomicU64::new(0), AtomicBool::new(false));
+    // The other reader has read a picture.
+    let is_read = AtomicBool::new(false);
     std::thread::scope(|scope| {
         let reading = scope.spawn(|| {
             let mut reader = loop {
@@ -102,9 +104,9 @@ fn a_reader_that_is_killed_does_not_hold_a_program_that_waits() {
             while reader.next(LIMIT, &mut frame).expect("frames") == Next::Frame {
                 assert_eq!(frame.number, count.load(Relaxed), "a frame is missing");
                 count.store(frame.number + 1, Relaxed);
-                if !is_killed.load(Relaxed) {
-                    // The other reader has time to begin.
-                    std::thread::sleep(Duration::from_millis(10));
+                // The program waits for this reader, so that the other one has time to begin.
+                if !is_read.load(Relaxed) {
+                    std::thread::sleep(Duration::from_millis(20));
                 }
             }
             assert_eq!(reader.lost(), 0);
@@ -116,16 +118,28 @@ fn a_reader_that_is_killed_does_not_hold_a_program_that_waits() {
             let mut other = Command::new(env!("CARGO_BIN_EXE_cupola"));
             other.args(["stream", "-", "--format", "raw", "--published"]).arg(&file);
             let mut other = other.stdin(Stdio::null()).stdout(Stdio::piped()).spawn().expect("a reader starts");
-            // It has read when it writes.
-            let mut bytes = [0; 4096];
-            std::io::Read::read_exact(other.stdout.as_mut().expect("a pipe"), &mut bytes).expect("a picture");
+            let (id, pipe) = (other.id(), other.stdout.as_mut().expect("a pipe"));
+            std::thread::scope(|inner| {
+                // If the program ends meanwhile, the reader waits for the next one.
+                inner.spawn(|| {
+                    while !is_read.load(Relaxed) {
+                        if has_ended.load(Relaxed) {
+                            return signal("KILL", id);
+                        }
+                        std::thread::sleep(Duration::from_millis(20));
+                    }
+                });
+                // It has read when it writes.
+                let read = std::io::Read::read_exact(pipe, &mut [0; 4096]);
+                is_read.store(true, Relaxed);
+                read.expect("the other reader reads before the program ends");
+            });
             signal("STOP", other.id());
             std::thread::sleep(Duration::from_millis(200));
             let before = count.load(Relaxed);
             std::thread::sleep(Duration::from_millis(300));
             let (after, was_drawing) = (count.load(Relaxed), !has_ended.load(Relaxed));
             signal("KILL", other.id());
-            is_killed.store(true, Relaxed);
             other.wait().expect("it ends");
             (before, after, was_drawing)
         });

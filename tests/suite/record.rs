@@ -11,6 +11,7 @@ tests! {
     two_recordings_are_equal,
     an_interrupted_recording_goes_on,
     pictures_are_shown_as_long_as_the_program_shows_them,
+    a_part_far_from_the_beginning_is_that_of_the_whole_recording,
     several_outputs_have_a_folder_each,
     a_range_has_the_frames_of_the_whole_recording,
     files_of_16_bits_and_open_exr,
@@ -107,6 +108,36 @@ fn pictures_are_shown_as_long_as_the_program_shows_them() {
     let Some(finished) = record_run(&part, &run(&["--mode", "limit"]), &options) else { return };
     finished.expect_success();
     assert!(files(&part).into_values().eq(slow[5..9].iter().cloned()), "a part differs from the whole recording");
+    // The last picture of a program that ends is shown as long as the one before.
+    let six = Run { frames: 6, ..run(&["--mode", "limit"]) };
+    let Some(finished) = record_run(&folder.join("end"), &six, &["--name", "Show", "--frames", "12"]) else { return };
+    finished.expect_success();
+    assert!(files(&folder.join("end")).into_values().eq(slow.iter().cloned()), "the end differs");
+}
+
+/// What lies long before a part is not read back. If the part would need it, that is an error.
+fn a_part_far_from_the_beginning_is_that_of_the_whole_recording() {
+    let folder = scratch("far");
+    let run = |mode: &'static [&'static str]| Run { frames: 54, size: (64, 64), extra: mode, ..Run::new("by_time") };
+    let record = |name: &str, mode, options: &[&str]| {
+        let options = [&["--name", "Show", "--fps", "20", "--stats", "stats.json"], options].concat();
+        record_run(&folder.join(name), &run(mode), &options)
+    };
+    let Some(whole) = record("whole", &[], &["--frames", "54"]) else { return };
+    let Some(part) = record("part", &[], &["--from", "2.5s", "--to", "54"]) else { return };
+    let published = |run: &Finished| run.statistics()["published"]["frames"].as_u64().expect("a number");
+    // The first one, and from one second before frame 51 on.
+    assert_eq!((published(&whole.expect_success()), published(&part.expect_success())), (54, 25));
+    let [whole, part] = ["whole", "part"].map(|name| files(&folder.join(name)));
+    assert_eq!(part.keys().collect::<Vec<_>>(), whole.keys().skip(50).collect::<Vec<_>>());
+    assert!(part.iter().all(|(name, bytes)| whole[name] == *bytes), "the part differs from the whole recording");
+    // Pictures every 1.5 s.
+    const SLIDES: &[&str] = &["--mode", "slides"];
+    let Some(finished) = record("slides", SLIDES, &["--from", "4s", "--to", "4.5s"]) else { return };
+    finished.expect_success();
+    let Some(refused) = record("refused", SLIDES, &["--from", "4.2s", "--to", "4.5s"]) else { return };
+    assert!(refused.words().contains("more than a second before"), "{}", refused.words());
+    assert!(!refused.succeeded() && files(&folder.join("refused")).is_empty());
 }
 
 fn several_outputs_have_a_folder_each() {

@@ -86,7 +86,8 @@ enum Action {
         #[arg(long, value_name = "DEGREES")]
         step: Option<f64>,
     },
-    /// Add a mark for the calibration: the place of an output's picture that lights a known direction
+    /// Add a mark for the calibration: the place of an output's picture that lights a known
+    /// direction. Pixels are those of the running program's picture, otherwise those of the rig
     #[command(allow_negative_numbers = true)]
     Mark {
         /// Name of the output

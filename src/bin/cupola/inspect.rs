@@ -17,7 +17,7 @@ pub struct Arguments {
     #[arg(long, short, value_name = "FILE.html", default_value = "inspect.html")]
     output: PathBuf,
     #[command(flatten)]
-    run: run::Arguments,
+    run: run::Started,
 }
 
 /// Runs the subcommand. Returns the exit code of the program.

@@ -43,7 +43,7 @@ pub fn marks_words(marks: &[Fitted], file: Option<&Path>) -> String {
 pub fn away(pixels: f64) -> String {
     match pixels.is_finite() {
         true => format!("{pixels:.1} px from where it should be"),
-        false => "nothing is shown there".to_owned(),
+        false => "its direction is not in the picture".to_owned(),
     }
 }
 

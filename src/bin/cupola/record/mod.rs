@@ -170,7 +170,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         None => Box::new(numbered::Folder::new(&out, name, numbered::Kind::new(depth, exr), first)),
         Some(taker) => Box::new(film::Receivers::new(&out, name, taker, fps)),
     };
-    let (has_ended, is_stopped) = (AtomicBool::new(false), AtomicBool::new(false));
+    let has_ended = AtomicBool::new(false);
     std::thread::scope(|scope| {
         let timing = Timing::new(fps);
         let recorder = Recorder { ring: &ring, out: &out, first, frames, has_ended: &has_ended, sink, timing };
@@ -178,7 +178,6 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             let result = recorder.record();
             // Later frames of the program would be lost, or are not wanted.
             if result.as_ref().map_or(true, |(_, is_drawing)| *is_drawing) {
-                is_stopped.store(result.is_ok(), Ordering::SeqCst);
                 process::stop_foreground();
             }
             result
@@ -192,7 +191,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         match recorded {
             Ok((words, _)) => {
                 eprintln!("cupola: {words}");
-                Ok(if is_stopped.load(Ordering::SeqCst) { ExitCode::SUCCESS } else { code })
+                Ok(code)
             }
             Err(failure) => Err(failure),
         }
@@ -284,6 +283,8 @@ impl Recorder<'_> {
         let (mut frame, mut before) = (Frame::default(), Frame::default());
         let mut progress = Progress::new(self.frames, self.out);
         let (mut read, mut taken) = (0, 0);
+        // Number of frames for which the picture before was shown.
+        let mut held = 1;
         while taken < self.frames {
             match reader.next(LOOK, &mut frame)? {
                 Next::Nothing if self.has_ended.load(Ordering::SeqCst) => break,
@@ -295,8 +296,18 @@ impl Recorder<'_> {
                 return Err(Failure::new(format!("picture {} could not be read, and is missing", read + 1)));
             }
             read += 1;
+            let last = self.timing.last;
+            let found = self.timing.frame(frame.time);
+            held = if last > 0 { found - last } else { held };
             // Counted from the first frame of the recording; 0 and below: before it.
-            let number = i128::from(self.timing.frame(frame.time)) - i128::from(self.first) + 1;
+            let number = i128::from(found) - i128::from(self.first) + 1;
+            if read == 2 && number > 1 && frame.index > before.index + 1 {
+                return Err(Failure::new(format!(
+                    "frame {} shows a picture that the program drew more than a second before it; begin with an \
+                     earlier frame (--from)",
+                    self.first
+                )));
+            }
             // The picture before is shown until this one comes.
             while i128::from(taken) + 1 < number && taken < self.frames {
                 taken += 1;
@@ -309,6 +320,13 @@ impl Recorder<'_> {
                 progress.show(taken);
             }
             std::mem::swap(&mut frame, &mut before);
+        }
+        // The last picture of a program that ends is shown as long as the one before.
+        for _ in 1..held.min(self.frames - taken + 1) {
+            if taken > 0 {
+                taken += 1;
+                self.sink.take(taken, &before.pictures, true)?;
+            }
         }
         progress.bar.finish_and_clear();
         if taken < self.frames {

@@ -34,12 +34,20 @@ const UNTIL_INSPECTED: Duration = Duration::from_secs(10);
 )]
 pub struct Arguments {
     #[command(flatten)]
-    pub options: Options,
+    started: Started,
     /// Also serve a page with the dome and the keys of the rig, as `cupola serve` does
     #[arg(long, conflicts_with = "print_environment")]
     serve: bool,
     #[command(flatten)]
     ways: Ways,
+}
+
+/// What is started, also by `cupola inspect`.
+#[derive(clap::Args)]
+#[group(skip)]
+pub struct Started {
+    #[command(flatten)]
+    options: Options,
     /// Print the environment as shell commands and do not start a program
     #[arg(long, conflicts_with = "pause")]
     print_environment: bool,
@@ -56,18 +64,20 @@ pub struct Inspection {
 
 /// Runs the subcommand. Returns the exit code of the program.
 pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
-    if arguments.serve {
+    let Arguments { started, serve, ways } = arguments;
+    if serve {
+        let Started { options, program, .. } = started;
         // Mistakes are reported before anything starts.
-        let profile = arguments.options.profile(arguments.program.first())?;
-        arguments.options.environment(profile.as_ref(), None)?;
+        let profile = options.profile(program.first())?;
+        options.environment(profile.as_ref(), None)?;
         let given: Vec<OsString> = std::env::args_os().skip(2).collect();
-        let options = own_options(&given, arguments.program.len());
-        return crate::serve::run_with(arguments.options.rig_name(), options, &arguments.program, &arguments.ways);
+        let own = own_options(&given, program.len());
+        return crate::serve::run_with(options.rig_name(), own, &program, &ways);
     }
-    if !arguments.ways.is_default() {
+    if !ways.is_default() {
         return Err(Failure::usage(format!("{} are options of the page; add --serve", Ways::OPTIONS.join(", "))));
     }
-    run_and_inspect(arguments, None)
+    run_and_inspect(started, None)
 }
 
 /// Options of `run --serve` before the program that a run without the page has too.
@@ -90,7 +100,7 @@ fn own_options(given: &[OsString], program: usize) -> Vec<OsString> {
 
 /// Runs the subcommand, with a page about the last frame if one is requested. Returns the exit code
 /// of the program.
-pub fn run_and_inspect(mut arguments: Arguments, inspection: Option<Inspection>) -> Result<ExitCode, Failure> {
+pub fn run_and_inspect(mut arguments: Started, inspection: Option<Inspection>) -> Result<ExitCode, Failure> {
     if inspection.is_some() && arguments.options.frames.is_none() {
         arguments.options.seconds = arguments.options.seconds.or(Some(UNTIL_INSPECTED));
     }

@@ -102,8 +102,8 @@ fn write_first_rig(arguments: &Arguments) -> Result<bool, Failure> {
     }
     notes.iter().for_each(|note| eprintln!("cupola: {note}"));
     println!("{}: outputs: {}", arguments.file.display(), outputs.len());
-    let is_open = arguments.patterns.is_none() && !arguments.show && std::env::var_os("DISPLAY").is_some();
-    if is_open { questions.shows_patterns() } else { Ok(false) }
+    let is_open = arguments.patterns.is_none() && !arguments.show && arguments.xrandr.is_none();
+    Ok(is_open && std::env::var_os("DISPLAY").is_some() && questions.shows_patterns())
 }
 
 /// Fails, and writes nothing, if `cupola check` would refuse the rig.

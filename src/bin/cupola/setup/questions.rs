@@ -11,17 +11,21 @@ use std::io::{BufRead, Write};
 const USUAL_SIZE: (u32, u32) = (1920, 1080);
 
 /// A user to ask, or none.
-pub struct Questions<'a>(Option<(Box<dyn BufRead + 'a>, Box<dyn Write + 'a>)>);
+pub struct Questions<'a> {
+    user: Option<(Box<dyn BufRead + 'a>, Box<dyn Write + 'a>)>,
+    /// True if a question was asked.
+    has_asked: bool,
+}
 
 impl<'a> Questions<'a> {
     /// Asks a user who reads `output` and types into `input`.
     pub fn of(input: impl BufRead + 'a, output: impl Write + 'a) -> Self {
-        Self(Some((Box::new(input), Box::new(output))))
+        Self { user: Some((Box::new(input), Box::new(output))), has_asked: false }
     }
 
     /// Asks nobody: values without a default have to be options.
     pub fn none() -> Self {
-        Self(None)
+        Self { user: None, has_asked: false }
     }
 
     /// Monitors of the projectors.
@@ -143,20 +147,25 @@ impl<'a> Questions<'a> {
         Ok(Place { azimuth, distance, height, fov: throw.map(field_of_throw), ..Place::default() })
     }
 
-    /// Asks whether the patterns of the new rig are shown; not without a user.
-    pub fn shows_patterns(&mut self) -> Result<bool, Failure> {
+    /// Asks a user who has answered other questions whether the patterns of the new rig, which is
+    /// written already, are shown.
+    pub fn shows_patterns(&mut self) -> bool {
+        if !self.has_asked {
+            return false;
+        }
         let question = "Show the patterns with the projectors' numbers now? A key closes them (yes, no)";
         let answer = self.ask(question, Some("yes"), |text| match text {
             "yes" | "y" => Ok(true),
             "no" | "n" => Ok(false),
             _ => Err("expected yes or no".to_owned()),
-        })?;
-        Ok(answer.unwrap_or(false))
+        });
+        // A user who has gone wants no patterns.
+        matches!(answer, Ok(Some(true)))
     }
 
     /// Prints a message, if there is a user.
     fn tell(&mut self, words: &str) -> Result<(), Failure> {
-        match &mut self.0 {
+        match &mut self.user {
             Some((_, output)) => writeln!(output, "{words}").map_err(|error| gone(&error.to_string())),
             None => Ok(()),
         }
@@ -169,7 +178,8 @@ impl<'a> Questions<'a> {
         default: Option<&str>,
         read: impl Fn(&str) -> Result<T, String>,
     ) -> Result<Option<T>, Failure> {
-        let Some((input, output)) = &mut self.0 else { return Ok(None) };
+        let Some((input, output)) = &mut self.user else { return Ok(None) };
+        self.has_asked = true;
         loop {
             let offered = default.map_or(String::new(), |default| format!(" [{default}]"));
             write!(output, "{question}{offered}: ").and_then(|()| output.flush()).map_err(|e| gone(&e.to_string()))?;
@@ -265,7 +275,9 @@ mod tests {
         let monitors = questions.monitors(&arguments, &two()).unwrap();
         let room = questions.room(&arguments).unwrap();
         let outputs = questions.outputs(&arguments, &room, &monitors, &mut notes).unwrap();
-        assert!(!questions.shows_patterns().unwrap() && questions.shows_patterns().unwrap());
+        assert!(!questions.shows_patterns() && questions.shows_patterns());
+        // The input has ended.
+        assert!(!questions.shows_patterns());
         drop(questions);
         let words = String::from_utf8(words).unwrap();
         assert!(words.contains("no monitor \"DP-3\"; DP-1, DP-2") && words.contains("decimal sign"), "{words}");
@@ -298,7 +310,7 @@ mod tests {
         let mut questions = Questions::none();
         let room = questions.room(&given).unwrap();
         let outputs = questions.outputs(&given, &room, &two(), &mut notes).unwrap();
-        assert!(!questions.shows_patterns().unwrap());
+        assert!(!questions.shows_patterns());
         assert!(outputs.iter().all(|output| output.window.is_none() && output.size == Some(USUAL_SIZE)));
         assert!(notes[0].contains("2 monitors for 3 outputs"), "{notes:?}");
     }

@@ -193,7 +193,8 @@ impl Presenter {
         }
         let Some(Window { window, context, size: (across, down), driver }) = &mut self.window else { return Ok(()) };
         if let Some(driver) = driver {
-            return Ok(driver.show(size, rgba)?);
+            driver.show(size, rgba)?;
+            return self.look_for_monitor();
         }
         let (window, context, across, down) = (*window, *context, *across, *down);
         let failed = failed(&self.name);
@@ -254,6 +255,11 @@ impl Presenter {
         let failed = failed(&self.name);
         let answer = self.connection.get_input_focus().map_err(|error| failed(&error))?;
         answer.reply().map(|_| ()).map_err(|error| failed(&error))?;
+        self.look_for_monitor()
+    }
+
+    /// Fails if the monitor is gone or has another place; asks once a second.
+    fn look_for_monitor(&self) -> Result<(), Failure> {
         let Some((wanted, asked)) = self.monitor.as_ref().filter(|(_, asked)| asked.get().elapsed() > LOOK) else {
             return Ok(());
         };
