@@ -12,6 +12,8 @@ start_browser() {
     [ "${4-}" != phone ] || phone="{ \"mobileEmulation\": { \"deviceMetrics\": { \"width\": $2, \"height\": $3, \"pixelRatio\": 2, \"touch\": true } } }"
     # The driver prints the port that it has chosen.
     # shellcheck disable=SC2086 # several words
+    # It is read before the driver may have begun.
+    : >"$folder/driver.txt"
     ${browser_nice-} chromedriver --port=0 >"$folder/driver.txt" 2>&1 &
     browser_driver=$!
     for _ in {1..100}; do
