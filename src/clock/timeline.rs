@@ -62,7 +62,7 @@ thread_local! {
 }
 
 /// Number of this thread.
-fn thread() -> libc::pid_t {
+pub fn thread() -> libc::pid_t {
     ID.with(|id| {
         if id.get() == 0 {
             // SAFETY: returns a number.

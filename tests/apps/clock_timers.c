@@ -272,13 +272,59 @@ static void reads_of_others(void)
     passed(before, 0.05, "a wait for a thread that reads a timer");
 }
 
+/* Waits for files beside timers of the thread that waits for it. */
+static void *waits_beside(void *unused)
+{
+    int epoll = epoll_create1(0);
+    struct epoll_event event = {.events = EPOLLIN};
+    epoll_ctl(epoll, EPOLL_CTL_ADD, ends[0], &event);
+    check(!readable(ends[0], 60), "the pipe is empty");
+    check(epoll_wait(epoll, &event, 1, 60) == 0, "epoll of the pipe tells of nothing");
+    check(epoll_wait(epoll, &event, 1, 0) == 0, "a look by epoll at the pipe tells of nothing");
+    int own = timer_of(10000000, 0, 0);
+    check(count_of(own) == 1, "a timer of its own");
+    close(own);
+    close(epoll);
+    return unused;
+}
+
+/* Waits by epoll for the timer of the thread that waits for it. */
+static void *waits_for_it(void *timer)
+{
+    int epoll = epoll_create1(0);
+    struct epoll_event event = {.events = EPOLLIN};
+    epoll_ctl(epoll, EPOLL_CTL_ADD, *(int *)timer, &event);
+    check(epoll_wait(epoll, &event, 1, -1) == 1, "epoll tells of a timer of another thread");
+    check(count_of(*(int *)timer) > 0, "another thread reads a timer after epoll");
+    close(epoll);
+    return timer;
+}
+
+/* A thread for which the time is later, because this one waits for it, fires no timers of this one. */
+static void of_others(void)
+{
+    int timer = timer_of(10000000, 10000000, 0);
+    double before = now();
+    pthread_t thread;
+    pthread_create(&thread, NULL, waits_beside, NULL);
+    pthread_join(thread, NULL);
+    passed(before, 0, "a wait for a thread that waits for files");
+    check(!readable(timer, 0), "another thread fires no timer ahead of its time");
+    usleep(25000);
+    check(count_of(timer) == 2, "a timer counts the time of its thread");
+    passed(before, 0.025, "a sleep beside a timer");
+    pthread_create(&thread, NULL, waits_for_it, &timer);
+    pthread_join(thread, NULL);
+    passed(before, 0.025, "a wait for a thread that waits for a timer");
+}
+
 static const struct {
     const char *name;
     void (*run)(void);
 } PARTS[] = {
     {"unwatched", unwatched}, {"copies", copies}, {"set_meanwhile", set_meanwhile},
     {"looks", looks},         {"forked", forked}, {"reads", reads}, {"looks_by_reads", looks_by_reads},
-    {"reads_of_others", reads_of_others},
+    {"reads_of_others", reads_of_others}, {"of_others", of_others},
 };
 
 int main(int count, char **arguments)

@@ -53,9 +53,17 @@ fn waits_last_the_programs_time() {
 }
 
 fn timers_that_are_files_follow_the_programs_time() {
-    for part in
-        ["unwatched", "copies", "set_meanwhile", "looks", "forked", "reads", "looks_by_reads", "reads_of_others"]
-    {
+    for part in [
+        "unwatched",
+        "copies",
+        "set_meanwhile",
+        "looks",
+        "forked",
+        "reads",
+        "looks_by_reads",
+        "reads_of_others",
+        "of_others",
+    ] {
         checks_itself("clock_timers", &[part]);
     }
 }

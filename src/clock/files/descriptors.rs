@@ -3,7 +3,7 @@
 use super::timers::{self, Taken, Watched};
 use super::{pointer, real_limit, wait_for_files};
 use crate::caller::{interpose, is_served};
-use crate::timeline::{self, seen};
+use crate::timeline;
 use crate::{process, real};
 use std::ffi::{c_int, c_void};
 
@@ -72,9 +72,10 @@ pub unsafe extern "C-unwind" fn readv_for(
 /// Number of expirations of a timer since it was last read, or the number of an error. If there was
 /// none, a descriptor that blocks waits for one. `None` if this is no timer of the program.
 fn read_timer(file: c_int) -> Option<Result<u64, c_int>> {
+    let watched = Watched::of(std::iter::once(file));
     let mut has_looked = false;
     loop {
-        timers::fire(seen());
+        watched.fire();
         match timers::take(file) {
             Taken::Count(count) => return Some(Ok(count)),
             Taken::Unknown => return None,
@@ -91,7 +92,7 @@ fn read_timer(file: c_int) -> Option<Result<u64, c_int>> {
             continue;
         }
         let mut asked = libc::pollfd { fd: file, events: libc::POLLIN, revents: 0 };
-        let came = wait_for_files(None, &Watched::of(std::iter::once(file)), |limit| {
+        let came = wait_for_files(None, &watched, |limit| {
             // SAFETY: a local structure.
             unsafe { real::ppoll(&mut asked, 1, pointer(&real_limit(limit)), std::ptr::null()) }
         });

@@ -7,11 +7,11 @@ pub mod timers;
 
 use super::caller::{interpose, is_served};
 use super::real;
-use super::timeline::{self, after, is_held_before, nanoseconds, seen, timespec, wait_again};
+use super::timeline::{self, after, is_held_before, nanoseconds, timespec, wait_again};
 use std::cell::Cell;
 use std::ffi::c_int;
 use std::time::Duration;
-use timers::{Watched, fire};
+use timers::Watched;
 
 interpose! {
     3 poll => poll_for;
@@ -46,7 +46,7 @@ fn wait_for_files(
     };
     loop {
         let came = wait_again(target, watched.again(), PATIENCE, &mut attempt).or_else(|| {
-            fire(seen());
+            watched.fire();
             attempt(Some(Duration::ZERO))
         });
         match came {
@@ -66,7 +66,7 @@ fn look(watched: &Watched, mut attempt: impl FnMut(Option<Duration>) -> c_int) -
         return count;
     }
     timeline::read();
-    fire(seen());
+    watched.fire();
     attempt(Some(Duration::ZERO))
 }
 
@@ -291,7 +291,6 @@ pub unsafe extern "C-unwind" fn epoll_pwait2_for(
     }
 }
 
-/// Which files an `epoll` watches is not known, so that each timer of the program counts.
 unsafe fn epolled(
     file: c_int,
     events: *mut libc::epoll_event,
@@ -299,7 +298,7 @@ unsafe fn epolled(
     length: Option<u64>,
     mask: *const libc::sigset_t,
 ) -> c_int {
-    wait_or_look(length, &Watched::Any, |limit| {
+    wait_or_look(length, &Watched::Epoll(file), |limit| {
         let limit =
             limit.map_or(-1, |limit| c_int::try_from(limit.as_nanos().div_ceil(1_000_000)).unwrap_or(c_int::MAX));
         // SAFETY: the program's own call.

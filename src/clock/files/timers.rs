@@ -3,7 +3,7 @@
 
 use crate::caller::{interpose, is_served};
 use crate::real;
-use crate::timeline::{SLICE, after, moment, nanoseconds, seen, start_of, timespec};
+use crate::timeline::{SLICE, after, draws, moment, nanoseconds, now, seen, start_of, thread, timespec};
 use std::ffi::{c_int, c_long};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -29,6 +29,8 @@ struct Timer {
     interval: u64,
     /// Number of expirations that nobody has read. The system's timer knows of one.
     expired: u64,
+    /// The thread that set it last.
+    thread: libc::pid_t,
 }
 
 impl Timer {
@@ -119,9 +121,21 @@ impl Table {
         MARKS.iter().for_each(|word| word.store(0, Ordering::Release));
     }
 
-    /// A descriptor of a timer whose time has come.
-    fn due(&self, time: u64) -> Option<c_int> {
-        self.0.iter().find(|timer| timer.deadline > 0 && timer.deadline <= time)?.files.first().copied()
+    /// A descriptor of a timer whose time has come, and that time.
+    fn due(&self, time: impl Fn(&Timer) -> u64) -> Option<(c_int, u64)> {
+        let due = |timer: &Timer| timer.deadline > 0 && timer.deadline <= time(timer);
+        let timer = self.0.iter().find(|timer| due(timer))?;
+        Some((*timer.files.first()?, time(timer)))
+    }
+
+    /// Makes timers readable whose time has come.
+    fn fire(&mut self, time: impl Fn(&Timer) -> u64) {
+        // Each turn moves a deadline beyond its time, or forgets a descriptor.
+        while let Some((file, time)) = self.due(&time) {
+            if let Some(timer) = self.find(file) {
+                timer.expire(file, time);
+            }
+        }
     }
 }
 
@@ -129,8 +143,8 @@ impl Table {
 pub enum Watched {
     /// Those of these that may be timers.
     Files(Vec<c_int>),
-    /// Unknown ones: any timer may be among them.
-    Any,
+    /// Those that an `epoll` with this descriptor watches.
+    Epoll(c_int),
 }
 
 impl Watched {
@@ -142,17 +156,31 @@ impl Watched {
     pub fn has_timers(&self) -> bool {
         match self {
             Self::Files(files) => !files.is_empty(),
-            Self::Any => !timers().0.is_empty(),
+            Self::Epoll(_) => !timers().0.is_empty(),
+        }
+    }
+
+    /// Descriptors of the timers that count for this thread. For the drawing thread an `epoll`
+    /// watches all. Another thread may see a later time, at which it must not fire those of others:
+    /// for it, an `epoll` watches those that the system names, and those that the thread has set.
+    fn files(&self, table: &Table) -> Vec<c_int> {
+        match self {
+            Self::Files(files) => files.clone(),
+            Self::Epoll(_) if table.0.is_empty() => Vec::new(),
+            Self::Epoll(file) => {
+                let (all, own) = (draws(), thread());
+                let named = if all { Vec::new() } else { named(*file) };
+                let counts =
+                    |timer: &&Timer| all || timer.thread == own || timer.files.iter().any(|file| named.contains(file));
+                table.0.iter().filter(counts).flat_map(|timer| &timer.files).copied().collect()
+            }
         }
     }
 
     /// Time at which the next of the timers expires.
     pub fn next(&self) -> Option<u64> {
         let mut table = timers();
-        let files = match self {
-            Self::Files(files) => files.clone(),
-            Self::Any => table.0.iter().flat_map(|timer| &timer.files).copied().collect(),
-        };
+        let files = self.files(&table);
         files.into_iter().filter_map(|file| Some(table.find(file)?.deadline)).filter(|deadline| *deadline > 0).min()
     }
 
@@ -162,20 +190,30 @@ impl Watched {
         match self {
             _ if self.has_timers() => Some(SLICE),
             Self::Files(_) => None,
-            Self::Any => Some(RARE),
+            Self::Epoll(_) => Some(RARE),
         }
+    }
+
+    /// Makes timers readable whose time has come: these as this thread sees the time, which may be
+    /// ahead of the program's, and all others by the program's time.
+    pub fn fire(&self) {
+        let (now, seen) = (now(), seen());
+        let mut table = timers();
+        let files = if seen > now { self.files(&table) } else { Vec::new() };
+        table.fire(|timer| if timer.files.iter().any(|file| files.contains(file)) { seen } else { now });
     }
 }
 
-/// Makes timers readable whose time has come at `time`.
+/// Descriptors that an `epoll` watches, as the system names them: with the numbers at which the
+/// program added them. None if the system does not tell.
+fn named(epoll: c_int) -> Vec<c_int> {
+    let text = std::fs::read_to_string(format!("/proc/self/fdinfo/{epoll}")).unwrap_or_default();
+    text.lines().filter_map(|line| line.strip_prefix("tfd:")?.split_whitespace().next()?.parse().ok()).collect()
+}
+
+/// Makes all timers readable whose time has come at `time`.
 pub fn fire(time: u64) {
-    let mut table = timers();
-    // Each turn moves a deadline beyond that time, or forgets a descriptor.
-    while let Some(file) = table.due(time) {
-        if let Some(timer) = table.find(file) {
-            timer.expire(file, time);
-        }
-    }
+    timers().fire(|_| time);
 }
 
 /// What a read of a timer takes.
@@ -250,7 +288,7 @@ pub unsafe extern "C" fn timerfd_create_for(clock: c_int, flags: c_int, caller: 
         let mut timers = timers();
         timers.forget(file);
         if start_of(clock).is_some() && is_served(caller) {
-            timers.0.push(Timer { files: vec![file], deadline: 0, interval: 0, expired: 0 });
+            timers.0.push(Timer { files: vec![file], deadline: 0, interval: 0, expired: 0, thread: thread() });
             set_mark(file);
         }
     }
@@ -279,6 +317,7 @@ pub unsafe extern "C" fn timerfd_settime_for(
     }
     let is_absolute = flags & libc::TFD_TIMER_ABSTIME != 0;
     timer.interval = interval;
+    timer.thread = thread();
     timer.deadline = match value {
         0 => 0,
         value if is_absolute => moment(value).max(1),
@@ -288,7 +327,7 @@ pub unsafe extern "C" fn timerfd_settime_for(
     timer.expired = 0;
     set(file, 0);
     drop(timers);
-    fire(seen());
+    Watched::Files(vec![file]).fire();
     0
 }
 
