@@ -318,13 +318,27 @@ static void of_others(void)
     passed(before, 0.025, "a wait for a thread that waits for a timer");
 }
 
+/* An edge-triggered wait is told of each expiration, also if nobody reads the timer. */
+static void edges(void)
+{
+    int timer = timer_of(10000000, 10000000, 0), epoll = epoll_create1(0);
+    struct epoll_event event = {.events = EPOLLIN | EPOLLET};
+    epoll_ctl(epoll, EPOLL_CTL_ADD, timer, &event);
+    double before = now();
+    for (int i = 1; i <= 4; i++) {
+        check(epoll_wait(epoll, &event, 1, 100) == 1, "an edge-triggered wait tells of an expiration");
+        passed(before, 0.01 * i, "an edge-triggered wait");
+    }
+    check(count_of(timer) == 4, "the expirations of edge-triggered waits are counted");
+}
+
 static const struct {
     const char *name;
     void (*run)(void);
 } PARTS[] = {
     {"unwatched", unwatched}, {"copies", copies}, {"set_meanwhile", set_meanwhile},
     {"looks", looks},         {"forked", forked}, {"reads", reads}, {"looks_by_reads", looks_by_reads},
-    {"reads_of_others", reads_of_others}, {"of_others", of_others},
+    {"reads_of_others", reads_of_others}, {"of_others", of_others}, {"edges", edges},
 };
 
 int main(int count, char **arguments)

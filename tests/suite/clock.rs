@@ -63,6 +63,7 @@ fn timers_that_are_files_follow_the_programs_time() {
         "looks_by_reads",
         "reads_of_others",
         "of_others",
+        "edges",
     ] {
         checks_itself("clock_timers", &[part]);
     }

@@ -52,9 +52,10 @@ impl Timer {
         // Reads that are not seen here take all expirations.
         if !is_readable(file, Duration::ZERO) {
             self.expired = 0;
-            set(file, 1);
-            is_readable(file, SOON);
         }
+        // Also if it is readable already: edge-triggered waits are told of each expiration.
+        set(file, 1);
+        is_readable(file, SOON);
         self.expired += count;
     }
 }
