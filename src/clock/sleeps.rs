@@ -1,6 +1,7 @@
 //! Sleeps of the program.
 
 use super::caller::{interpose, is_served};
+use super::files::signals::Kept;
 use super::real;
 use super::timeline::{after, moment, nanoseconds, start_of, timespec, wait};
 use std::ffi::{c_int, c_uint};
@@ -19,10 +20,11 @@ const NAP: Duration = Duration::from_millis(1);
 
 /// Sleeps until the program's time is `moment`. Returns whether a signal ended the sleep.
 unsafe fn sleep_until(moment: u64) -> bool {
+    let kept = Kept::begin();
     let nap = |limit: Option<Duration>| {
         let time = timespec(limit.map_or(0, |limit| u64::try_from(limit.as_nanos()).unwrap_or(0)));
-        // SAFETY: local structures.
-        (unsafe { real::nanosleep(&time, std::ptr::null_mut()) } != 0).then_some(())
+        // SAFETY: local structures, and no files.
+        (unsafe { real::ppoll(std::ptr::null_mut(), 0, &time, kept.mask(std::ptr::null())) } != 0).then_some(())
     };
     wait(Some(moment), NAP, nap).is_some()
 }

@@ -9,6 +9,7 @@
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
@@ -183,10 +184,15 @@ static void interrupted(int signal)
 
 static pthread_t reader;
 
+static atomic_bool has_read;
+
+/* Sends signals until the read has ended: the first may come before it begins. */
 static void *interrupts(void *unused)
 {
-    real_wait();
-    pthread_kill(reader, SIGUSR1);
+    do {
+        real_wait();
+        pthread_kill(reader, SIGUSR1);
+    } while (!has_read);
     return unused;
 }
 
@@ -217,6 +223,7 @@ static void reads(void)
     pthread_t thread;
     pthread_create(&thread, NULL, interrupts, NULL);
     check(read(timer, counts, 8) == -1 && errno == EINTR, "a signal ends a read");
+    has_read = true;
     pthread_join(thread, NULL);
     action.sa_flags = SA_RESTART;
     sigaction(SIGUSR1, &action, NULL);

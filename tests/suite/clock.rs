@@ -9,6 +9,7 @@ use std::process::Command;
 tests! {
     waits_last_the_programs_time,
     timers_that_are_files_follow_the_programs_time,
+    nothing_is_lost_at_the_worst_moment,
     the_system_understands_the_number_of_the_process,
     two_runs_are_equal,
     without_the_clock_two_runs_differ,
@@ -41,10 +42,15 @@ fn times(run: &Finished) -> Vec<f64> {
 
 /// Runs a program that needs no display, with the library of the clock. It checks what it reads.
 fn checks_itself(program: &str, arguments: &[&str]) {
+    checks_itself_beside("", program, arguments);
+}
+
+/// As [`checks_itself`], with another library behind that of the clock.
+fn checks_itself_beside(beside: &str, program: &str, arguments: &[&str]) {
     let library = Path::new(env!("CARGO_BIN_EXE_cupola")).with_file_name("libcupola_clock.so");
     assert!(library.exists(), "{}: build it by cargo build --package cupola_clock", library.display());
     let mut command = Command::new(built().join(program));
-    command.args(arguments).env("LD_PRELOAD", library).env("CUPOLA_CLOCK", "60/1");
+    command.args(arguments).env("LD_PRELOAD", format!("{}:{beside}", library.display())).env("CUPOLA_CLOCK", "60/1");
     Finished::run(command, program, "without a display").expect_success();
 }
 
@@ -66,6 +72,13 @@ fn timers_that_are_files_follow_the_programs_time() {
         "edges",
     ] {
         checks_itself("clock_timers", &[part]);
+    }
+}
+
+/// A library behind the clock's does something between the calls of the system that make one wait.
+fn nothing_is_lost_at_the_worst_moment() {
+    for part in ["interrupted"] {
+        checks_itself_beside(&preload("beside"), "clock_beside", &[part]);
     }
 }
 

@@ -92,9 +92,9 @@ fn read_timer(file: c_int) -> Option<Result<u64, c_int>> {
             continue;
         }
         let mut asked = libc::pollfd { fd: file, events: libc::POLLIN, revents: 0 };
-        let came = wait_for_files(None, &watched, |limit| {
+        let came = wait_for_files(None, &watched, std::ptr::null(), |limit, mask| {
             // SAFETY: a local structure.
-            unsafe { real::ppoll(&mut asked, 1, pointer(&real_limit(limit)), std::ptr::null()) }
+            unsafe { real::ppoll(&mut asked, 1, pointer(&real_limit(limit)), mask) }
         });
         // SAFETY: the thread's own number.
         let error = if came < 0 { unsafe { *libc::__errno_location() } } else { 0 };

@@ -1,13 +1,16 @@
 //! Waits for files and connections, with limits in the program's time.
 //!
-//! [`timers`] has those of them that are timers; [`descriptors`] follows their copies.
+//! [`timers`] has those of them that are timers; [`descriptors`] follows their copies. [`signals`]
+//! end a wait also if they come between its calls of the system.
 
 pub mod descriptors;
+pub mod signals;
 pub mod timers;
 
 use super::caller::{interpose, is_served};
 use super::real;
 use super::timeline::{self, after, is_held_before, nanoseconds, timespec, wait_again};
+use signals::Kept;
 use std::cell::Cell;
 use std::ffi::c_int;
 use std::time::Duration;
@@ -29,14 +32,20 @@ interpose! {
 /// advances to the limit.
 const PATIENCE: Duration = Duration::from_millis(250);
 
+/// A mask of signals; null: that of the thread.
+type Mask = *const libc::sigset_t;
+
 /// Waits until `attempt` returns a number other than 0, or until `deadline`. Timers among the
-/// watched files end the wait, too, also those that another thread sets meanwhile.
+/// watched files end the wait, too, also those that another thread sets meanwhile. `attempt` is one
+/// call of the system, with the mask that it gets.
 fn wait_for_files(
     deadline: Option<u64>,
     watched: &Watched,
-    mut attempt: impl FnMut(Option<Duration>) -> c_int,
+    mask: Mask,
+    mut attempt: impl FnMut(Option<Duration>, Mask) -> c_int,
 ) -> c_int {
-    let mut attempt = |limit| Some(attempt(limit)).filter(|count| *count != 0);
+    let kept = Kept::begin();
+    let mut attempt = |limit| Some(attempt(limit, kept.mask(mask))).filter(|count| *count != 0);
     let reached = Cell::new(None);
     let target = || {
         // While the time is held, timers are not due.
@@ -60,19 +69,27 @@ fn wait_for_files(
 
 /// Looks at files without waiting. If a timer is among them, this counts as a read of a clock:
 /// the program may do nothing else until the timer expires.
-fn look(watched: &Watched, mut attempt: impl FnMut(Option<Duration>) -> c_int) -> c_int {
-    let count = attempt(Some(Duration::ZERO));
+fn look(watched: &Watched, mut attempt: impl FnMut() -> c_int) -> c_int {
+    let count = attempt();
     if count != 0 || !watched.has_timers() {
         return count;
     }
     timeline::read();
     watched.fire();
-    attempt(Some(Duration::ZERO))
+    attempt()
 }
 
 /// Waits for as long as the program asked: `None`: without a limit; 0: not at all.
-fn wait_or_look(length: Option<u64>, watched: &Watched, attempt: impl FnMut(Option<Duration>) -> c_int) -> c_int {
-    if length == Some(0) { look(watched, attempt) } else { wait_for_files(length.map(after), watched, attempt) }
+fn wait_or_look(
+    length: Option<u64>,
+    watched: &Watched,
+    mask: Mask,
+    mut attempt: impl FnMut(Option<Duration>, Mask) -> c_int,
+) -> c_int {
+    match length {
+        Some(0) => look(watched, || attempt(Some(Duration::ZERO), mask)),
+        _ => wait_for_files(length.map(after), watched, mask, attempt),
+    }
 }
 
 /// A limit in milliseconds, converted to nanoseconds; `None` if it is negative: without a limit.
@@ -120,7 +137,7 @@ pub unsafe extern "C-unwind" fn ppoll_for(
     files: *mut libc::pollfd,
     count: libc::nfds_t,
     limit: *const libc::timespec,
-    mask: *const libc::sigset_t,
+    mask: Mask,
     caller: usize,
 ) -> c_int {
     // SAFETY: the program's own call, with its limit in another form.
@@ -133,12 +150,7 @@ pub unsafe extern "C-unwind" fn ppoll_for(
     }
 }
 
-unsafe fn polled(
-    files: *mut libc::pollfd,
-    count: libc::nfds_t,
-    length: Option<u64>,
-    mask: *const libc::sigset_t,
-) -> c_int {
+unsafe fn polled(files: *mut libc::pollfd, count: libc::nfds_t, length: Option<u64>, mask: Mask) -> c_int {
     let listed = match usize::try_from(count) {
         // SAFETY: the program's list. No process has more descriptors than a `c_int` can tell.
         Ok(count) if !files.is_null() && c_int::try_from(count).is_ok() => unsafe {
@@ -149,14 +161,15 @@ unsafe fn polled(
     let is_read = |file: &&libc::pollfd| file.events & (libc::POLLIN | libc::POLLRDNORM) != 0;
     let watched = Watched::of(listed.iter().filter(is_read).map(|file| file.fd));
     // SAFETY: the program's own call, with its limit in another form.
-    wait_or_look(length, &watched, |limit| unsafe { real::ppoll(files, count, pointer(&real_limit(limit)), mask) })
+    let attempt = |limit, mask| unsafe { real::ppoll(files, count, pointer(&real_limit(limit)), mask) };
+    wait_or_look(length, &watched, mask, attempt)
 }
 
 unsafe extern "C-unwind" fn ppoll_checked(
     files: *mut libc::pollfd,
     count: libc::nfds_t,
     limit: *const libc::timespec,
-    mask: *const libc::sigset_t,
+    mask: Mask,
     _length: usize,
     caller: usize,
 ) -> c_int {
@@ -216,7 +229,7 @@ pub unsafe extern "C-unwind" fn pselect_for(
     write: *mut libc::fd_set,
     other: *mut libc::fd_set,
     limit: *const libc::timespec,
-    mask: *const libc::sigset_t,
+    mask: Mask,
     caller: usize,
 ) -> c_int {
     // SAFETY: the program's own call, with its limit in another form.
@@ -230,14 +243,14 @@ pub unsafe extern "C-unwind" fn pselect_for(
     }
 }
 
-unsafe fn selected(count: c_int, sets: &Sets, length: Option<u64>, mask: *const libc::sigset_t) -> c_int {
+unsafe fn selected(count: c_int, sets: &Sets, length: Option<u64>, mask: Mask) -> c_int {
     let [read, write, other] = sets.at;
     let is_read = |file: &c_int| match &sets.before[0] {
         // SAFETY: a copy of the program's set, which has place for all files below `count`.
         Some(set) => unsafe { libc::FD_ISSET(*file, set) },
         None => false,
     };
-    wait_or_look(length, &Watched::of((0..count).filter(is_read)), |limit| {
+    wait_or_look(length, &Watched::of((0..count).filter(is_read)), mask, |limit, mask| {
         // SAFETY: the program's own call.
         unsafe {
             sets.restore();
@@ -262,7 +275,7 @@ pub unsafe extern "C-unwind" fn epoll_pwait_for(
     events: *mut libc::epoll_event,
     count: c_int,
     limit: c_int,
-    mask: *const libc::sigset_t,
+    mask: Mask,
     caller: usize,
 ) -> c_int {
     if !is_served(caller) {
@@ -278,7 +291,7 @@ pub unsafe extern "C-unwind" fn epoll_pwait2_for(
     events: *mut libc::epoll_event,
     count: c_int,
     limit: *const libc::timespec,
-    mask: *const libc::sigset_t,
+    mask: Mask,
     caller: usize,
 ) -> c_int {
     // SAFETY: the program's own call, with its limit in another form.
@@ -291,14 +304,8 @@ pub unsafe extern "C-unwind" fn epoll_pwait2_for(
     }
 }
 
-unsafe fn epolled(
-    file: c_int,
-    events: *mut libc::epoll_event,
-    count: c_int,
-    length: Option<u64>,
-    mask: *const libc::sigset_t,
-) -> c_int {
-    wait_or_look(length, &Watched::Epoll(file), |limit| {
+unsafe fn epolled(file: c_int, events: *mut libc::epoll_event, count: c_int, length: Option<u64>, mask: Mask) -> c_int {
+    wait_or_look(length, &Watched::Epoll(file), mask, |limit, mask| {
         let limit =
             limit.map_or(-1, |limit| c_int::try_from(limit.as_nanos().div_ceil(1_000_000)).unwrap_or(c_int::MAX));
         // SAFETY: the program's own call.
