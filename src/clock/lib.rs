@@ -27,9 +27,7 @@ mod syscalls;
 mod threads;
 mod timeline;
 
-use std::cell::Cell;
 use std::ffi::{c_int, c_ulong};
-use std::sync::MutexGuard;
 
 /// The dynamic linker calls it when it has loaded this library.
 #[used]
@@ -39,41 +37,10 @@ static BEGIN: extern "C" fn() = {
         real::prepare();
         if settings::settings().is_some() {
             process::begin();
-            // SAFETY: functions that stay. If there is no memory for them, copies of this process
-            // may hang.
-            unsafe { libc::pthread_atfork(Some(before_fork), Some(after_fork), Some(in_copy)) };
         }
     }
     begin
 };
-
-/// Both lists that have locks.
-type Lists = (MutexGuard<'static, files::timers::Table>, MutexGuard<'static, Vec<threads::Waiting>>);
-
-thread_local! {
-    /// The lists of this process during a `fork`: so no other thread has their locks, which the
-    /// copy would never get.
-    static FORKING: Cell<Option<Lists>> = const { Cell::new(None) };
-}
-
-extern "C" fn before_fork() {
-    // A thread that is ending keeps nothing.
-    let _ = FORKING.try_with(|lists| lists.set(Some((files::timers::timers(), threads::waiting()))));
-}
-
-extern "C" fn after_fork() {
-    let _ = FORKING.try_with(Cell::take);
-}
-
-/// The copy has a clock of its own. It shares the timers that are files with the first process: to
-/// fire them is up to that one.
-extern "C" fn in_copy() {
-    if let Ok(Some((mut timers, mut waiting))) = FORKING.try_with(Cell::take) {
-        timers.clear();
-        waiting.clear();
-    }
-    timeline::begin_copy();
-}
 
 /// Announces that a frame of the window with this handle is complete. Cupola calls it before each
 /// swap. Returns 1 if the time has advanced, 0 if the frames of another window count.

@@ -4,11 +4,12 @@
 //! last their real time, because it may wait for them.
 
 use super::caller::{interpose, is_served};
+use super::process::copies::Shared;
 use super::real;
 use super::timeline::{self, moment, nanoseconds, seen, timespec, wait};
 use std::ffi::{c_int, c_void};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, MutexGuard};
 use std::time::Duration;
 
 interpose! {
@@ -67,11 +68,11 @@ pub struct Waiting {
     is_late: Arc<AtomicBool>,
 }
 
-static WAITING: Mutex<Vec<Waiting>> = Mutex::new(Vec::new());
+pub static WAITING: Shared<Vec<Waiting>> = Shared::new(Vec::new());
 
 /// The threads that wait so.
-pub fn waiting() -> MutexGuard<'static, Vec<Waiting>> {
-    WAITING.lock().unwrap_or_else(PoisonError::into_inner)
+fn waiting() -> MutexGuard<'static, Vec<Waiting>> {
+    WAITING.lock()
 }
 
 /// Wakes threads that wait for a condition until `time` or earlier.

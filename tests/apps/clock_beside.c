@@ -8,6 +8,8 @@
 #include <errno.h>
 #include <poll.h>
 #include <pthread.h>
+#include <sched.h>
+#include <semaphore.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdint.h>
@@ -16,6 +18,7 @@
 #include <sys/epoll.h>
 #include <sys/select.h>
 #include <sys/timerfd.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -114,11 +117,100 @@ static void interrupted(void)
     check(!sigismember(&mask, SIGUSR1) && !sigismember(&mask, SIGTERM), "the mask of signals is as before");
 }
 
+static int status_of(pid_t child)
+{
+    int status = 1;
+    while (waitpid(child, &status, 0) == -1 && errno == EINTR)
+        ;
+    return status;
+}
+
+static sem_t ready;
+
+/* Uses a timer with the lock of the other library, which the copy of the process waits for. */
+static void *holds_the_lock(void *unused)
+{
+    pthread_mutex_t *lock = beside("beside_lock");
+    atomic_bool *forks = beside("beside_forks");
+    pthread_mutex_lock(lock);
+    sem_post(&ready);
+    while (!*forks)
+        sched_yield();
+    close(timerfd_create(CLOCK_MONOTONIC, 0));
+    pthread_mutex_unlock(lock);
+    return unused;
+}
+
+/* Locks of other libraries are taken in any order when the process is copied. */
+static void locked(void)
+{
+    pthread_t thread;
+    sem_init(&ready, 0, 0);
+    *(atomic_bool *)beside("beside_forks") = false;
+    pthread_create(&thread, NULL, holds_the_lock, NULL);
+    sem_wait(&ready);
+    pid_t child = fork();
+    if (child == 0)
+        _exit(0);
+    check(status_of(child) == 0, "a copy of the process ends");
+    pthread_join(thread, NULL);
+}
+
+static sem_t released;
+static pthread_t busy;
+
+/* Stays in a call of the clock that has its list of timers locked. */
+static void stay(void)
+{
+    if (pthread_equal(pthread_self(), busy) && calls++ == 0) {
+        sem_post(&ready);
+        sem_wait(&released);
+    }
+}
+
+static void *uses_a_timer(void *unused)
+{
+    busy = pthread_self();
+    at_each_call(stay);
+    struct itimerspec time;
+    timerfd_gettime(timer, &time);
+    return unused;
+}
+
+/* The lists of the clock are locked while the process is copied. */
+static void copied(void)
+{
+    pthread_t thread;
+    sem_init(&ready, 0, 0);
+    sem_init(&released, 0, 0);
+    timer = timerfd_create(CLOCK_MONOTONIC, 0);
+    pthread_create(&thread, NULL, uses_a_timer, NULL);
+    sem_wait(&ready);
+    pid_t child = fork();
+    if (child == 0) {
+        alarm(10);
+        double before = now();
+        int own = timerfd_create(CLOCK_MONOTONIC, 0);
+        struct itimerspec soon = {{0, 0}, {0, 10000000}};
+        uint64_t expired = 0;
+        timerfd_settime(own, 0, &soon, NULL);
+        bool good = read(own, &expired, sizeof expired) == sizeof expired && expired == 1;
+        pid_t second = fork();
+        if (second == 0)
+            _exit(timerfd_settime(own, 0, &soon, NULL) == 0 ? 0 : 1);
+        _exit(good && now() - before > 0.009 && status_of(second) == 0 ? 0 : 1);
+    }
+    check(status_of(child) == 0, "a copy of the process uses timers");
+    sem_post(&released);
+    pthread_join(thread, NULL);
+    at_each_call(NULL);
+}
+
 static const struct {
     const char *name;
     void (*run)(void);
 } PARTS[] = {
-    {"interrupted", interrupted},
+    {"interrupted", interrupted}, {"locked", locked}, {"copied", copied},
 };
 
 int main(int count, char **arguments)

@@ -75,9 +75,10 @@ fn timers_that_are_files_follow_the_programs_time() {
     }
 }
 
-/// A library behind the clock's does something between the calls of the system that make one wait.
+/// A library behind the clock's does something between the calls of the system that make one wait,
+/// and while the process is copied.
 fn nothing_is_lost_at_the_worst_moment() {
-    for part in ["interrupted"] {
+    for part in ["interrupted", "locked", "copied"] {
         checks_itself_beside(&preload("beside"), "clock_beside", &[part]);
     }
 }

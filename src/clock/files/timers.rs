@@ -2,11 +2,12 @@
 //! the program's time has come, so that it wakes who waits for it in whatever way.
 
 use crate::caller::{interpose, is_served};
+use crate::process::copies::Shared;
 use crate::real;
 use crate::timeline::{SLICE, after, draws, moment, nanoseconds, now, seen, start_of, thread, timespec};
 use std::ffi::{c_int, c_long};
+use std::sync::MutexGuard;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 interpose! {
@@ -61,9 +62,10 @@ impl Timer {
 }
 
 /// The timers of the program.
+#[derive(Default)]
 pub struct Table(Vec<Timer>);
 
-static TIMERS: Mutex<Table> = Mutex::new(Table(Vec::new()));
+pub static TIMERS: Shared<Table> = Shared::new(Table(Vec::new()));
 
 /// Which remainders the descriptors of timers have, one bit for each.
 static MARKS: [AtomicU64; 16] = [const { AtomicU64::new(0) }; 16];
@@ -89,9 +91,14 @@ pub fn may_be_timer(file: c_int) -> bool {
     word.load(Ordering::Acquire) & bit != 0
 }
 
+/// Makes no descriptor one of a timer.
+pub fn forget_marks() {
+    MARKS.iter().for_each(|word| word.store(0, Ordering::Release));
+}
+
 /// The timers.
-pub fn timers() -> MutexGuard<'static, Table> {
-    TIMERS.lock().unwrap_or_else(PoisonError::into_inner)
+fn timers() -> MutexGuard<'static, Table> {
+    TIMERS.lock()
 }
 
 impl Table {
@@ -114,12 +121,6 @@ impl Table {
             let (word, bit) = mark(file);
             word.fetch_and(!bit, Ordering::AcqRel);
         }
-    }
-
-    /// Forgets all.
-    pub fn clear(&mut self) {
-        self.0.clear();
-        MARKS.iter().for_each(|word| word.store(0, Ordering::Release));
     }
 
     /// A descriptor of a timer whose time has come, and that time.

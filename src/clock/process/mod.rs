@@ -1,7 +1,10 @@
 //! The number of the program's process, and waits for processes.
 //!
 //! The program reads a number that is the same in each run, because programs make seeds of it. It
-//! stands for the real one where the program hands it to the system.
+//! stands for the real one where the program hands it to the system. [`copies`] begins those of the
+//! process.
+
+pub mod copies;
 
 use super::caller::{gets_number, interpose};
 use super::real;
@@ -46,10 +49,11 @@ const PROCESS: libc::pid_t = (1 << 22) + 1;
 /// Real number of the process in which the program began. Copies that `fork` makes know it, too.
 static FIRST: AtomicI32 = AtomicI32::new(0);
 
-/// Notes the number of this process.
+/// Notes the number of this process, and prepares for copies of it.
 pub fn begin() {
     // SAFETY: returns a number.
     FIRST.store(unsafe { real::getpid() }, Ordering::Relaxed);
+    copies::begin();
 }
 
 /// The number that a caller reads for this real one.
