@@ -29,6 +29,12 @@ pub fn fail(error: c_int) -> c_int {
     -1
 }
 
+/// A system call for a function that older versions of libc lack.
+fn by_number(number: c_long, [a, b, c, d]: [usize; 4]) -> c_int {
+    // SAFETY: the program's own call, with its arguments.
+    unsafe { syscall(number, a, b, c, d, 0, 0) as c_int }
+}
+
 macro_rules! functions {
     ($($name:ident($($argument:ident: $kind:ty),*) -> $result:ty = $missing:expr;)*) => {$(
         /// As in libc.
@@ -68,6 +74,14 @@ functions! {
     getpgid(process: libc::pid_t) -> libc::pid_t = fail(libc::ENOSYS);
     setpgid(process: libc::pid_t, group: libc::pid_t) -> c_int = fail(libc::ENOSYS);
     getsid(process: libc::pid_t) -> libc::pid_t = fail(libc::ENOSYS);
+    setsid() -> libc::pid_t = fail(libc::ENOSYS);
+    tcgetpgrp(terminal: c_int) -> libc::pid_t = fail(libc::ENOSYS);
+    tcgetsid(terminal: c_int) -> libc::pid_t = fail(libc::ENOSYS);
+    tcsetpgrp(terminal: c_int, group: libc::pid_t) -> c_int = fail(libc::ENOSYS);
+    sched_setattr(process: libc::pid_t, value: *const c_void, flags: c_uint) -> c_int
+        = by_number(libc::SYS_sched_setattr, [process as usize, value as usize, flags as usize, 0]);
+    sched_getattr(process: libc::pid_t, value: *mut c_void, size: c_uint, flags: c_uint) -> c_int
+        = by_number(libc::SYS_sched_getattr, [process as usize, value as usize, size as usize, flags as usize]);
     sched_setaffinity(process: libc::pid_t, size: usize, set: *const c_void) -> c_int = fail(libc::ENOSYS);
     sched_getaffinity(process: libc::pid_t, size: usize, set: *mut c_void) -> c_int = fail(libc::ENOSYS);
     sched_setscheduler(process: libc::pid_t, policy: c_int, value: *const c_void) -> c_int = fail(libc::ENOSYS);
@@ -184,6 +198,7 @@ early! {
     dup2(file: c_int, new: c_int) -> c_int = SYS_dup3;
     dup3(file: c_int, new: c_int, flags: c_int) -> c_int = SYS_dup3;
     fcntl(file: c_int, command: c_int, argument: usize) -> c_int = SYS_fcntl;
+    ioctl(file: c_int, request: c_ulong, argument: usize) -> c_int = SYS_ioctl;
 }
 
 /// A system call, without libc. Arguments that are not given are 0.

@@ -35,6 +35,12 @@ unsafe extern "C-unwind" fn syscall_for(
             libc::SYS_time => reads::time_for(a as *mut _, caller),
             libc::SYS_getpid => process::getpid_for(caller).into(),
             libc::SYS_getppid => process::getppid_for(caller).into(),
+            #[cfg(target_arch = "x86_64")]
+            libc::SYS_getpgrp => process::getpgrp_for(caller).into(),
+            libc::SYS_getpgid => process::getpgid_for(a as libc::pid_t, caller).into(),
+            libc::SYS_getsid => process::getsid_for(a as libc::pid_t, caller).into(),
+            libc::SYS_setsid => process::setsid_for(caller).into(),
+            libc::SYS_ioctl => process::ioctl_for(a as c_int, b as _, c, caller).into(),
             libc::SYS_getrandom => random::getrandom_for(a as *mut _, b, c as _, caller) as c_long,
             libc::SYS_nanosleep => sleeps::nanosleep_for(a as *const _, b as *mut _, caller).into(),
             libc::SYS_clock_nanosleep => {

@@ -10,13 +10,16 @@
 #include <fcntl.h>
 #include <sched.h>
 #include <signal.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/uio.h>
 #include <sys/wait.h>
+#include <termios.h>
 #include <unistd.h>
 
 enum { SAME = (1 << 22) + 1 };
@@ -66,6 +69,43 @@ static void by_libc(void)
           "process_vm_readv");
     int ends[2];
     check(socketpair(AF_UNIX, SOCK_STREAM, 0, ends) == 0 && fcntl(ends[0], F_SETOWN, own) == 0, "F_SETOWN");
+    struct f_owner_ex owner = {F_OWNER_PID, own}, is = {0, 0};
+    check(fcntl(ends[1], F_SETOWN_EX, &owner) == 0 && fcntl(ends[1], F_GETOWN_EX, &is) == 0, "F_SETOWN_EX");
+    check(is.type == F_OWNER_PID && is.pid == real_number(), "F_SETOWN_EX sets the owner");
+    struct {
+        uint32_t size, policy;
+        uint64_t flags, others[5];
+    } attributes = {0};
+    check(syscall(SYS_sched_getattr, own, &attributes, sizeof attributes, 0) == 0, "sched_getattr");
+    check(syscall(SYS_sched_setattr, own, &attributes, 0) == 0, "sched_setattr");
+    /* libc has these functions since its version 2.41; the library of the clock always has. */
+    int (*get)(pid_t, void *, unsigned, unsigned), (*set_to)(pid_t, void *, unsigned);
+    *(void **)&get = dlsym(RTLD_DEFAULT, "sched_getattr");
+    *(void **)&set_to = dlsym(RTLD_DEFAULT, "sched_setattr");
+    check(get && get(own, &attributes, sizeof attributes, 0) == 0, "sched_getattr of libc");
+    check(set_to && set_to(own, &attributes, 0) == 0, "sched_setattr of libc");
+}
+
+/* Does what a shell does to get its terminal. */
+static void by_terminal(void)
+{
+    int own = getpid(), terminal = posix_openpt(O_RDWR | O_NOCTTY), end = -1;
+    check(terminal >= 0 && grantpt(terminal) == 0 && unlockpt(terminal) == 0, "no terminal");
+    /* The first process of a group can begin no session. */
+    if (getsid(0) != own && getpgrp() != own)
+        check(setsid() == own, "setsid");
+    if (getsid(0) != own)
+        return;
+    check(getpgrp() == own && getpgid(own) == own, "the first process of a session has its number");
+    check(syscall(SYS_getsid, 0) == own, "the system call getsid");
+    end = open(ptsname(terminal), O_RDWR);
+    signal(SIGTTOU, SIG_IGN);
+    check(tcsetpgrp(end, own) == 0 && tcgetpgrp(end) == own && tcgetsid(end) == own, "tcsetpgrp");
+    pid_t group = own;
+    check(ioctl(end, TIOCSPGRP, &group) == 0 && ioctl(end, TIOCGPGRP, &group) == 0 && group == own, "TIOCSPGRP");
+    signal(SIGHUP, SIG_IGN);
+    close(end);
+    close(terminal);
 }
 
 static void by_syscall(void)
@@ -133,6 +173,7 @@ int main(int arguments, char **argument)
     by_libc();
     by_syscall();
     by_fork();
+    by_terminal();
     if (arguments > 1) {
         int number = number_of(argument[1]);
         check(number == real_number(), "a library that tells others its number gets the real one");

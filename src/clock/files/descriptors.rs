@@ -143,9 +143,8 @@ pub unsafe extern "C" fn dup3_for(file: c_int, new: c_int, flags: c_int, _caller
 /// The third argument exists only for some commands. Both kinds of processors pass it in a register
 /// in any case.
 pub unsafe extern "C-unwind" fn fcntl_for(file: c_int, command: c_int, argument: usize, _caller: usize) -> c_int {
-    let argument = if command == libc::F_SETOWN { process::real_argument(argument) } else { argument };
     // SAFETY: the program's own call.
-    let answer = unsafe { real::fcntl(file, command, argument) };
+    let answer = unsafe { process::fcntl(file, command, argument) };
     if matches!(command, libc::F_DUPFD | libc::F_DUPFD_CLOEXEC) {
         timers::copy(file, answer);
     }

@@ -19,15 +19,23 @@ interpose! {
     2 killpg => killpg_for;
     3 tgkill => tgkill_for;
     3 sigqueue => sigqueue_for;
+    0 getpgrp => getpgrp_for;
     1 getpgid => getpgid_for;
     2 setpgid => setpgid_for;
     1 getsid => getsid_for;
+    0 setsid => setsid_for;
+    1 tcgetpgrp => tcgetpgrp_for;
+    2 tcsetpgrp => tcsetpgrp_for;
+    1 tcgetsid => tcgetsid_for;
+    3 ioctl => ioctl_for;
     3 sched_setaffinity => sched_setaffinity_for;
     3 sched_getaffinity => sched_getaffinity_for;
     3 sched_setscheduler => sched_setscheduler_for;
     1 sched_getscheduler => sched_getscheduler_for;
     2 sched_setparam => sched_setparam_for;
     2 sched_getparam => sched_getparam_for;
+    3 sched_setattr => sched_setattr_for;
+    4 sched_getattr => sched_getattr_for;
     2 sched_rr_get_interval => sched_rr_get_interval_for;
     3 setpriority => setpriority_for;
     2 getpriority => getpriority_for;
@@ -45,6 +53,9 @@ interpose! {
 
 /// Number that the program reads. No process has this number.
 const PROCESS: libc::pid_t = (1 << 22) + 1;
+
+/// Command of `fcntl`, which the crate `libc` lacks for some systems.
+const F_SETOWN_EX: c_int = 15;
 
 /// Real number of the process in which the program began. Copies that `fork` makes know it, too.
 static FIRST: AtomicI32 = AtomicI32::new(0);
@@ -94,14 +105,14 @@ with_number! {
     kill_for(signal: c_int) -> c_int => kill;
     killpg_for(signal: c_int) -> c_int => killpg;
     sigqueue_for(signal: c_int, value: usize) -> c_int => sigqueue;
-    getpgid_for() -> libc::pid_t => getpgid;
-    getsid_for() -> libc::pid_t => getsid;
     sched_setaffinity_for(size: usize, set: *const c_void) -> c_int => sched_setaffinity;
     sched_getaffinity_for(size: usize, set: *mut c_void) -> c_int => sched_getaffinity;
     sched_setscheduler_for(policy: c_int, value: *const c_void) -> c_int => sched_setscheduler;
     sched_getscheduler_for() -> c_int => sched_getscheduler;
     sched_setparam_for(value: *const c_void) -> c_int => sched_setparam;
     sched_getparam_for(value: *mut c_void) -> c_int => sched_getparam;
+    sched_setattr_for(value: *const c_void, flags: c_uint) -> c_int => sched_setattr;
+    sched_getattr_for(value: *mut c_void, size: c_uint, flags: c_uint) -> c_int => sched_getattr;
     sched_rr_get_interval_for(time: *mut libc::timespec) -> c_int => sched_rr_get_interval;
     pidfd_open_for(flags: c_uint) -> c_int => pidfd_open;
     prlimit_for(kind: c_int, new: *const c_void, old: *mut c_void) -> c_int => prlimit;
@@ -121,6 +132,89 @@ unsafe extern "C" fn setpgid_for(process: libc::pid_t, group: libc::pid_t, _call
     unsafe { real::setpgid(real_number(process), real_number(group)) }
 }
 
+// A group and a session have the number of the process that has begun them. Programs compare it with
+// their own.
+
+pub unsafe extern "C" fn getpgrp_for(caller: usize) -> libc::pid_t {
+    // SAFETY: returns a number.
+    unsafe { getpgid_for(0, caller) }
+}
+
+pub unsafe extern "C" fn getpgid_for(process: libc::pid_t, caller: usize) -> libc::pid_t {
+    // SAFETY: returns a number.
+    read(unsafe { real::getpgid(real_number(process)) }, caller)
+}
+
+pub unsafe extern "C" fn getsid_for(process: libc::pid_t, caller: usize) -> libc::pid_t {
+    // SAFETY: returns a number.
+    read(unsafe { real::getsid(real_number(process)) }, caller)
+}
+
+pub unsafe extern "C" fn setsid_for(caller: usize) -> libc::pid_t {
+    // SAFETY: the program's own call.
+    read(unsafe { real::setsid() }, caller)
+}
+
+unsafe extern "C" fn tcgetpgrp_for(terminal: c_int, caller: usize) -> libc::pid_t {
+    // SAFETY: a question about a descriptor.
+    read(unsafe { real::tcgetpgrp(terminal) }, caller)
+}
+
+unsafe extern "C" fn tcgetsid_for(terminal: c_int, caller: usize) -> libc::pid_t {
+    // SAFETY: a question about a descriptor.
+    read(unsafe { real::tcgetsid(terminal) }, caller)
+}
+
+unsafe extern "C" fn tcsetpgrp_for(terminal: c_int, group: libc::pid_t, _caller: usize) -> c_int {
+    // SAFETY: the program's own call.
+    unsafe { real::tcsetpgrp(terminal, real_number(group)) }
+}
+
+/// The third argument exists only for some requests. Both kinds of processors pass it in a register
+/// in any case.
+pub unsafe extern "C-unwind" fn ioctl_for(file: c_int, request: c_ulong, argument: usize, caller: usize) -> c_int {
+    // The kernel's numbers have 32 bits.
+    let is = |number: libc::Ioctl| request as u32 == number as u32;
+    if is(libc::TIOCSPGRP) {
+        // SAFETY: the program's number, or null, which the system refuses.
+        let group = unsafe { (argument as *const libc::pid_t).as_ref() }.map(|group| real_number(*group));
+        let group = group.as_ref().map_or(0, |group| std::ptr::from_ref(group) as usize);
+        // SAFETY: the program's own call; the number is a local one.
+        return unsafe { real::ioctl(file, request, group) };
+    }
+    // SAFETY: the program's own call.
+    let answer = unsafe { real::ioctl(file, request, argument) };
+    if answer == 0 && (is(libc::TIOCGPGRP) || is(libc::TIOCGSID)) {
+        // SAFETY: the system has written a number there.
+        unsafe { *(argument as *mut libc::pid_t) = read(*(argument as *const libc::pid_t), caller) };
+    }
+    answer
+}
+
+/// Structure of `F_SETOWN_EX`: whether a thread, a process or a group is meant, and its number.
+type Owner = [c_int; 2];
+
+/// `fcntl`, with real numbers of processes.
+///
+/// # Safety
+/// As `fcntl`.
+pub unsafe fn fcntl(file: c_int, command: c_int, argument: usize) -> c_int {
+    // SAFETY: the program's own call, with its structure or null, which the system refuses.
+    unsafe {
+        match command {
+            libc::F_SETOWN => real::fcntl(file, command, real_argument(argument)),
+            F_SETOWN_EX => match (argument as *const Owner).as_ref() {
+                Some([kind, owner]) => {
+                    let owner: Owner = [*kind, real_number(*owner)];
+                    real::fcntl(file, command, std::ptr::from_ref(&owner) as usize)
+                }
+                None => real::fcntl(file, command, argument),
+            },
+            _ => real::fcntl(file, command, argument),
+        }
+    }
+}
+
 /// The number of the user in the second argument of `getpriority` is none of a process.
 fn real_holder(kind: c_uint, holder: c_uint) -> c_uint {
     if kind == libc::PRIO_USER as c_uint { holder } else { real_number(holder.cast_signed()).cast_unsigned() }
@@ -137,7 +231,7 @@ unsafe extern "C" fn getpriority_for(kind: c_uint, holder: c_uint, _caller: usiz
 }
 
 /// An argument of a system call that is the number of a process. The system looks at its lower half.
-pub fn real_argument(process: usize) -> usize {
+fn real_argument(process: usize) -> usize {
     real_number(process as libc::pid_t) as usize
 }
 
