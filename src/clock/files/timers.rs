@@ -209,8 +209,31 @@ impl Watched {
 /// Descriptors that an `epoll` watches, as the system names them: with the numbers at which the
 /// program added them. None if the system does not tell.
 fn named(epoll: c_int) -> Vec<c_int> {
-    let text = std::fs::read_to_string(format!("/proc/self/fdinfo/{epoll}")).unwrap_or_default();
-    text.lines().filter_map(|line| line.strip_prefix("tfd:")?.split_whitespace().next()?.parse().ok()).collect()
+    let text = content(&format!("/proc/self/fdinfo/{epoll}\0"));
+    let lines = text.split(|byte| *byte == b'\n').filter_map(|line| std::str::from_utf8(line).ok());
+    lines.filter_map(|line| line.strip_prefix("tfd:")?.split_whitespace().next()?.parse().ok()).collect()
+}
+
+/// Content of a file whose path ends with 0; empty if it cannot be read. By system calls: a thread
+/// that reads with a lock cannot be cancelled here.
+fn content(path: &str) -> Vec<u8> {
+    let (folder, flags) = (libc::AT_FDCWD as usize, (libc::O_RDONLY | libc::O_CLOEXEC) as usize);
+    // SAFETY: the path ends with 0.
+    let file = unsafe { real::syscall(libc::SYS_openat, folder, path.as_ptr() as usize, flags, 0, 0, 0) };
+    let Ok(file) = usize::try_from(file) else { return Vec::new() };
+    let (mut content, mut part) = (Vec::new(), [0_u8; 1024]);
+    loop {
+        let bytes = part.as_mut_ptr() as usize;
+        // SAFETY: local bytes, as many as the call gets to know.
+        let count = unsafe { real::syscall(libc::SYS_read, file, bytes, part.len(), 0, 0, 0) };
+        match usize::try_from(count).ok().and_then(|count| part.get(..count)) {
+            Some(read) if !read.is_empty() => content.extend_from_slice(read),
+            _ => break,
+        }
+    }
+    // SAFETY: a descriptor that nobody else knows.
+    unsafe { real::syscall(libc::SYS_close, file, 0, 0, 0, 0, 0) };
+    content
 }
 
 /// Makes all timers readable whose time has come at `time`.
