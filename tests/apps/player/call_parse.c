@@ -35,6 +35,9 @@ const call_function *call_find(const char *name)
         function->is_draw = (starts(name, "glDraw") && (strstr(name, "Arrays") != NULL || strstr(name, "Elements") != NULL)) ||
                             starts(name, "glMultiDraw") || starts(name, "glArrayElement") || starts(name, "glDrawTransform");
         function->takes_indices = strstr(name, "Elements") != NULL;
+        function->is_read = starts(name, "glReadPixels");
+        function->asks_program = starts(name, "glGetProgramiv") || starts(name, "glGetObjectParameteriv");
+        function->asks_varying = starts(name, "glGetTransformFeedbackVarying");
         return function;
     }
 }

@@ -16,7 +16,7 @@ enum { REGISTERS = 6 };
 #else
 enum { REGISTERS = 8 };
 #endif
-enum { REALS = 8, STACK = CALL_MOST_ARGUMENTS - 6, UNUSED = 0xa5 };
+enum { REALS = 8, STACK = CALL_MOST_ARGUMENTS - 6, UNUSED = 0xa5, LEFT_OUT = 0x5afe };
 
 typedef uint64_t word;
 typedef union {
@@ -411,7 +411,7 @@ call_answer call_perform(const call *what, bool with_text)
     size_t size = 0;
     lists_used = small_used = 0;
     if (what->function->is_draw && !call_is_safe(what->function)) {
-        answer.result = 0x5afe;
+        answer.result = LEFT_OUT;
         return answer;
     }
     for (int i = 0; i < what->count; i++) {
@@ -438,6 +438,10 @@ call_answer call_perform(const call *what, bool with_text)
             written = memory + CALL_BIG;
             size = CALL_BIG_SIZE;
         }
+    }
+    if (!call_arguments_are_safe(what->function, whole, REGISTERS > 6 ? whole[6] : stack[0])) {
+        answer.result = LEFT_OUT;
+        return answer;
     }
     answer.result = result_of(what, jump(what->function->address, whole, reals, stack));
     if (!what->is_quiet)

@@ -28,7 +28,7 @@ enum {
 struct call_function {
     char name[56];
     void *address;
-    bool is_draw, takes_indices;
+    bool is_draw, takes_indices, is_read, asks_program, asks_varying;
 };
 
 /* Names of the current context by kind and slot. */
@@ -38,5 +38,10 @@ extern bool call_has_fixed_function;
 const call_function *call_find(const char *name);
 /* Whether a draw reads vertices from no memory of the process except CALL_INPUT. */
 bool call_is_safe(const call_function *function);
+/*
+ * Whether Mesa 22.3 neither writes beyond a buffer nor reads freed memory with these arguments.
+ * `seventh` is the argument after the first six.
+ */
+bool call_arguments_are_safe(const call_function *function, const uint64_t *arguments, uint64_t seventh);
 
 #endif

@@ -83,3 +83,46 @@ bool call_is_safe(const call_function *function)
     may_be_outside = indices == 0;
     return (!call_has_fixed_function || fixed_arrays_are_safe()) && generic_arrays_are_safe();
 }
+
+/*
+ * Whether a read fits into the buffer that takes it. Mesa 22.3 checks only the part inside the
+ * framebuffer, and then writes as far as the whole rectangle reaches.
+ */
+static bool read_is_safe(const uint64_t *arguments, uint64_t offset)
+{
+    enum { LARGEST_PIXEL = 16, SMALLEST_FRAMEBUFFER = 16 };
+    int64_t x = (GLint)arguments[0], y = (GLint)arguments[1], width = (GLsizei)arguments[2], height = (GLsizei)arguments[3];
+    bool is_inside = x >= 0 && y >= 0 && x + width <= SMALLEST_FRAMEBUFFER && y + height <= SMALLEST_FRAMEBUFFER;
+    GLint buffer = 0, size = 0, length = 0, rows = 0, pixels = 0;
+    glGetIntegerv(GL_PIXEL_PACK_BUFFER_BINDING, &buffer);
+    if (buffer == 0 || is_inside || width <= 0 || height <= 0)
+        return true;
+    glGetBufferParameteriv(GL_PIXEL_PACK_BUFFER, GL_BUFFER_SIZE, &size);
+    glGetIntegerv(GL_PACK_ROW_LENGTH, &length);
+    glGetIntegerv(GL_PACK_SKIP_ROWS, &rows);
+    glGetIntegerv(GL_PACK_SKIP_PIXELS, &pixels);
+    int64_t row = length > 0 ? length : width;
+    int64_t end = (rows + height) * row + pixels + width;
+    return offset < (uint64_t)size && end * LARGEST_PIXEL <= size - (int64_t)offset;
+}
+
+/* After a link without success Mesa 22.3 reads varyings in the freed result of the link before. */
+static bool varyings_are_safe(GLuint program)
+{
+    GLint linked = GL_FALSE;
+    if (!glIsProgram(program))
+        return true;
+    glGetProgramiv(program, GL_LINK_STATUS, &linked);
+    return linked;
+}
+
+bool call_arguments_are_safe(const call_function *function, const uint64_t *arguments, uint64_t seventh)
+{
+    if (function->is_read)
+        return read_is_safe(arguments, seventh);
+    GLenum name = (GLenum)arguments[1];
+    bool of_varyings = name == GL_TRANSFORM_FEEDBACK_VARYINGS || name == GL_TRANSFORM_FEEDBACK_VARYING_MAX_LENGTH;
+    if (function->asks_varying || (function->asks_program && of_varyings))
+        return varyings_are_safe((GLuint)arguments[0]);
+    return true;
+}

@@ -165,10 +165,19 @@ pub fn crashes_mesa(line: &str, draws: bool) -> bool {
         "glNamedFramebufferDrawBuffers" | "glFramebufferDrawBuffersEXT" => {
             arguments.first() == Some(&"0") && arguments.get(2).is_some_and(|names| names.contains("1024"))
         }
+        // A unit without coordinates is the place of other arrays, or foreign memory.
+        "glMultiTexCoordPointerEXT" => !has_coordinates(arguments.first()),
+        "glVertexArrayMultiTexCoordOffsetEXT" => !has_coordinates(arguments.get(2)),
         // An index or a number of parameters below 0 writes to foreign memory.
         _ if name.contains("NamedProgramLocalParameter") => arguments.iter().skip(2).take(2).any(|word| *word == "-1"),
         _ => !draws && ["glArrayElement", "glBitmap", "glRasterPos"].iter().any(|start| name.starts_with(start)),
     }
+}
+
+/// True if this is the name of a texture unit with coordinates.
+fn has_coordinates(unit: Option<&&str>) -> bool {
+    let number = unit.and_then(|unit| u32::from_str_radix(unit.trim_start_matches("0x"), 16).ok());
+    number.is_some_and(|number| (0x84c0..0x84c8).contains(&number))
 }
 
 #[cfg(test)]
@@ -189,6 +198,10 @@ mod tests {
         assert!(crashes_mesa("v- glFramebufferDrawBuffersEXT 0 2 [i1026,1024", true));
         assert!(!crashes_mesa("v glFramebufferDrawBuffersEXT 0 1 [i1026", true));
         assert!(crashes_mesa("v glMatrixLoadIdentityEXT 0x1702", true));
+        assert!(crashes_mesa("v glMultiTexCoordPointerEXT 0x857d 2 0x140a 32 @a0", false));
+        assert!(!crashes_mesa("v glMultiTexCoordPointerEXT 0x84c7 2 0x140a 32 @a0", false));
+        assert!(crashes_mesa("v glVertexArrayMultiTexCoordOffsetEXT %v3 %b1 0x867c 1 0x1406 16 8", true));
+        assert!(!crashes_mesa("v glVertexArrayMultiTexCoordOffsetEXT %v3 %b1 0x84c0 1 0x1406 16 8", true));
         assert!(!crashes_mesa("v glBitmap 0 64 f1 f64 f0.5 f-0.5 @u0", true));
         assert!(!crashes_mesa("v glArrayElement 7", true) && !crashes_mesa("ask", false));
     }

@@ -11,6 +11,7 @@ use crate::intercept::gl::app_state::window_state;
 use crate::intercept::gl::compat::{begin_end, matrices, raster_position};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::context::list_names;
 use crate::intercept::gl::context::list_recording::{self, Command, Item, ListState, Primitive, Recording, record};
 use crate::intercept::gl::draw::routing::draw;
 use crate::intercept::gl::framebuffer::commands::{clears, draw_buffers};
@@ -239,6 +240,7 @@ pub fn finish_recording(ctx: &mut Context) {
     let list = recording.list;
     let mut lists = ctx.share.lists.locked();
     lists.items.insert(list, Arc::new(recording.items));
+    lists.names.note(list);
     drop(lists);
     if recording.execute {
         call(ctx, list, 0);
@@ -263,6 +265,32 @@ pub(in crate::intercept::gl) fn forget(ctx: &Context, first: u32, count: u32) {
             lists.forget(ctx, list);
         }
     }
+}
+
+/// `glGenLists`: the names are those that the driver would give without the lists of Cupola.
+/// Programs may store them in bytes.
+fn generate(ctx: &mut Context, range: i32) -> u32 {
+    let gl = ctx.driver.gl;
+    let count = u32::try_from(range).unwrap_or(0);
+    // SAFETY: a question about a name.
+    let first = ctx.share.lists.locked().names.take(count, |list| unsafe { gl.is_list(list) } != 0);
+    let Some(first) = first else {
+        // SAFETY: the program's own call.
+        return unsafe { gl.gen_lists(range) };
+    };
+    let compiling = list_recording::pause(&ctx.share, &ctx.driver, &mut ctx.lists);
+    for list in first..first + count {
+        // SAFETY: no list is being compiled in this context, and none has this name. OpenGL makes
+        // such empty lists, too.
+        unsafe {
+            gl.new_list(list, api::GL_COMPILE);
+            gl.end_list();
+        }
+    }
+    if compiling {
+        list_recording::go_on(&ctx.share, &ctx.driver, &mut ctx.lists, None);
+    }
+    first
 }
 
 /// `glCallList`.
@@ -308,14 +336,15 @@ hooks! {
     "glListBase" list_base(base: u32) = |ctx, _gl| {
         if ctx.compiling() { record(&ctx.share, &ctx.driver, &mut ctx.lists, Command::ListBase(base)) } else { set_list_base(&ctx.driver, &mut ctx.lists, base) }
     };
+    "glGenLists" gen_lists(range: i32) -> u32 = |ctx, _gl| generate(ctx, range);
     "glDeleteLists" delete_lists(list: u32, range: i32) = |ctx, gl| {
-        let Some(count) = u32::try_from(range).ok().filter(|count| *count > list_recording::OWN_NAMES) else {
+        let Some(count) = u32::try_from(range).ok().filter(|count| *count > list_names::OWN_NAMES) else {
             forget(ctx, list, u32::try_from(range).unwrap_or(0));
             gl.delete_lists(list, range);
             return;
         };
         // A program that deletes all names must not delete the lists of Cupola.
-        let parts = ctx.share.lists.locked().of_program(list, count);
+        let parts = ctx.share.lists.locked().names.of_program(list, count);
         for (first, count) in parts {
             forget(ctx, first, count);
             gl.delete_lists(first, count as i32);

@@ -4,6 +4,7 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::gl_context::ShareGroup;
+use crate::intercept::gl::context::list_names::ListNames;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::driver::Driver;
 use crate::lock::Lock;
@@ -111,38 +112,17 @@ pub(in crate::intercept::gl) enum Item {
     Command(Command),
 }
 
-/// Those of the program's lists that consist of more than one list of the driver.
+/// Display lists of the program.
 #[derive(Default)]
 pub struct Lists {
+    /// Those that consist of more than one list of the driver.
     pub(in crate::intercept::gl) items: HashMap<u32, Arc<Vec<Item>>>,
-    /// Names reserved for Cupola that are not in use.
-    own: Vec<u32>,
-    /// First names of the blocks of [`OWN_NAMES`] names that are reserved for Cupola.
-    blocks: Vec<u32>,
+    pub(in crate::intercept::gl) names: ListNames,
 }
-
-/// Number of names that are generated at once.
-pub(in crate::intercept::gl) const OWN_NAMES: u32 = 1024;
-
-/// Number of low names that are left to the program. Old programs use names from 1 on without
-/// reserving them.
-pub(in crate::intercept::gl) const PROGRAM_NAMES: u32 = 8192;
 
 /// Returns a name for a list of Cupola. It is so high that programs do not use it by chance.
 pub fn own_name(share: &ShareGroup, driver: &Driver) -> u32 {
-    let gl = driver.gl;
-    let mut lists = share.lists.locked();
-    if lists.own.is_empty() {
-        // SAFETY: reserves names, and frees those that are not for Cupola.
-        let first = unsafe {
-            let first = gl.gen_lists((PROGRAM_NAMES + OWN_NAMES) as i32);
-            gl.delete_lists(first, PROGRAM_NAMES as i32);
-            first + PROGRAM_NAMES
-        };
-        lists.own.extend((first..first + OWN_NAMES).rev());
-        lists.blocks.push(first);
-    }
-    lists.own.pop().unwrap_or_default()
+    share.lists.locked().names.own(driver.gl)
 }
 
 /// Display lists of a context.
@@ -229,15 +209,20 @@ pub(in crate::intercept::gl) fn next_part(
     lists: &mut ListState,
     command: Option<Command>,
 ) {
-    pause(driver, lists);
+    pause(share, driver, lists);
     go_on(share, driver, lists, command);
 }
 
 /// Ends the current list of the driver, so that the driver compiles nothing until [`go_on`].
 /// Returns false if no list is being compiled.
-pub fn pause(driver: &Driver, lists: &mut ListState) -> bool {
+pub fn pause(share: &ShareGroup, driver: &Driver, lists: &mut ListState) -> bool {
     let gl = driver.gl;
-    lists.recording.as_mut().map(|recording| recording.end_part(gl)).is_some()
+    let Some(recording) = &mut lists.recording else { return false };
+    // Before the end: the driver's next names must not depend on the name of this list, which does
+    // not exist yet.
+    share.lists.locked().names.reserve(gl);
+    recording.end_part(gl);
+    true
 }
 
 /// Stores `command` and begins another list of the driver.
@@ -277,21 +262,6 @@ impl Recording {
 }
 
 impl Lists {
-    /// Returns the parts of a range of names, first name and number, without those of Cupola.
-    pub(in crate::intercept::gl) fn of_program(&self, first: u32, count: u32) -> Vec<(u32, u32)> {
-        let end = first.saturating_add(count);
-        let (mut parts, mut start) = (Vec::new(), first);
-        let mut blocks: Vec<u32> = self.blocks.iter().copied().filter(|block| (first..end).contains(block)).collect();
-        blocks.sort_unstable();
-        for block in blocks {
-            parts.push((start, block - start));
-            start = (block + OWN_NAMES).min(end);
-        }
-        parts.push((start, end - start));
-        parts.retain(|(_, count)| *count > 0);
-        parts
-    }
-
     pub(in crate::intercept::gl) fn forget(&mut self, ctx: &Context, list: u32) {
         let Some(items) = self.items.remove(&list) else { return };
         for item in items.iter() {
@@ -299,7 +269,7 @@ impl Lists {
                 && *part != list
             {
                 // Cupola keeps the name. Otherwise the driver might give it to the program.
-                self.own.push(*part);
+                self.names.give_back(*part);
                 if !ctx.compiling() {
                     // SAFETY: a list of Cupola that nothing else names; an empty list replaces it.
                     unsafe {
@@ -314,16 +284,7 @@ impl Lists {
 
 #[cfg(test)]
 mod tests {
-    use super::{Lists, Primitive};
-
-    #[test]
-    fn a_long_range_of_names_spares_the_lists_of_cupola() {
-        let lists = Lists { blocks: vec![20_000, 8193], ..Lists::default() };
-        assert_eq!(lists.of_program(1, 8192), [(1, 8192)]);
-        assert_eq!(lists.of_program(1, 100_000), [(1, 8192), (9217, 10_783), (21_024, 78_977)]);
-        assert_eq!(lists.of_program(8193, 5), []);
-        assert_eq!(lists.of_program(20, 0), []);
-    }
+    use super::Primitive;
 
     #[test]
     fn parts_of_lists_know_what_goes_on_in_others() {

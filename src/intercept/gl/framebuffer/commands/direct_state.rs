@@ -32,7 +32,7 @@ pub(super) fn bound<R>(
     };
     // The driver performs these commands at once while the program compiles a display list. What
     // Cupola calls for them must not become part of the list.
-    let compiling = list_recording::pause(&ctx.driver, &mut ctx.lists);
+    let compiling = list_recording::pause(&ctx.share, &ctx.driver, &mut ctx.lists);
     change(ctx, api::GL_DRAW_FRAMEBUFFER, own_draw, draw.unwrap_or(own_draw));
     change(ctx, api::GL_READ_FRAMEBUFFER, own_read, read.unwrap_or(own_read));
     let answer = run(ctx);

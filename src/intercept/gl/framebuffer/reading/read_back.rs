@@ -55,7 +55,7 @@ pub fn read<R>(ctx: &mut Context, part: LowerLeftRect, alpha: bool, issue: impl 
     }
     // A read during compilation is not part of the display list. The calls that prepare it must not
     // become part of the list either.
-    let compiling = list_recording::pause(&ctx.driver, &mut ctx.lists);
+    let compiling = list_recording::pause(&ctx.share, &ctx.driver, &mut ctx.lists);
     let [left, bottom] = prepare(ctx, part, alpha);
     if compiling {
         list_recording::go_on(&ctx.share, &ctx.driver, &mut ctx.lists, None);
