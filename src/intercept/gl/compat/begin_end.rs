@@ -228,7 +228,8 @@ hooks! {
     "glGetError" get_error() -> u32 = |ctx, gl| {
         ctx.compat.immediate.close_elements(gl);
         if !ctx.compat.immediate.under_way() {
-            return ctx.driver.error();
+            // After a Begin that went to the driver as it was, the driver is asked: it returns none.
+            return if ctx.compat.immediate.refuses(gl) { gl.get_error() } else { ctx.driver.error() };
         }
         // Between Begin and End this call is an error, and should return none.
         let error = gl.get_error();

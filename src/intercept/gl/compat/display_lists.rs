@@ -293,6 +293,26 @@ fn generate(ctx: &mut Context, range: i32) -> u32 {
     first
 }
 
+/// Deletes lists of the program. The list that is being compiled replaces an earlier one of its name
+/// only at its end, so that its parts stay.
+fn delete(ctx: &mut Context, first: u32, count: u32) {
+    forget(ctx, first, count);
+    let gl = ctx.driver.gl;
+    let compiled = ctx.lists.recording.as_mut().filter(|recording| recording.list.wrapping_sub(first) < count);
+    let first_part = compiled.and_then(|recording| {
+        recording.is_new = true;
+        (!recording.items.is_empty()).then_some(recording.list)
+    });
+    let before = first_part.map_or(count, |list| list - first);
+    // SAFETY: the program's own call, without the name that the driver has for the first part.
+    unsafe {
+        gl.delete_lists(first, before as i32);
+        if let Some(list) = first_part {
+            gl.delete_lists(list.wrapping_add(1), (count - before - 1) as i32);
+        }
+    }
+}
+
 /// `glCallList`.
 pub fn call_list(ctx: &mut Context, list: u32) {
     if ctx.compiling() {
@@ -338,16 +358,15 @@ hooks! {
     };
     "glGenLists" gen_lists(range: i32) -> u32 = |ctx, _gl| generate(ctx, range);
     "glDeleteLists" delete_lists(list: u32, range: i32) = |ctx, gl| {
-        let Some(count) = u32::try_from(range).ok().filter(|count| *count > list_names::OWN_NAMES) else {
-            forget(ctx, list, u32::try_from(range).unwrap_or(0));
+        let Some(count) = u32::try_from(range).ok().filter(|count| *count > 0) else {
             gl.delete_lists(list, range);
             return;
         };
         // A program that deletes all names must not delete the lists of Cupola.
-        let parts = ctx.share.lists.locked().names.of_program(list, count);
+        let is_long = count > list_names::OWN_NAMES;
+        let parts = if is_long { ctx.share.lists.locked().names.of_program(list, count) } else { vec![(list, count)] };
         for (first, count) in parts {
-            forget(ctx, first, count);
-            gl.delete_lists(first, count as i32);
+            delete(ctx, first, count);
         }
     };
 }

@@ -29,11 +29,8 @@ fn note<T: Number>(
     if compat.immediate.phase == Phase::Outside && lists.recording.is_none() {
         return false;
     }
-    if matches!(sets, Sets::Generic | Sets::ConvertedGeneric)
-        && prefix.first().is_some_and(|number| *number >= compat.immediate.generic_attributes.into())
-        && compat.immediate.under_way()
-    {
-        // An error, which the driver reports.
+    if compat.immediate.under_way() && is_refused(compat.immediate.generic_attributes, sets, prefix) {
+        // An error, which the driver reports before those of the following commands.
         compat.immediate.close_elements(gl);
         return false;
     }
@@ -49,6 +46,25 @@ fn note<T: Number>(
         compat.immediate.recorder.push(command, sets, prefix, values);
     }
     compat.immediate.phase == Phase::Recording
+}
+
+/// True if the driver refuses a command for the numbers before its values: a generic attribute of
+/// `attributes` or higher, or a packed value of a type that is none.
+fn is_refused(attributes: u32, sets: Sets, prefix: &[u64]) -> bool {
+    const PACKED: [u32; 2] = [api::GL_INT_2_10_10_10_REV, api::GL_UNSIGNED_INT_2_10_10_10_REV];
+    let generic = matches!(sets, Sets::Generic | Sets::ConvertedGeneric);
+    let (number, kind) = match (sets, prefix) {
+        (Sets::Material, _) => (None, None),
+        (Sets::Generic | Sets::ConvertedGeneric | Sets::TextureUnit, [number, rest @ ..]) => {
+            (Some(*number), rest.first())
+        }
+        (_, prefix) => (None, prefix.first()),
+    };
+    let packed = |kind: u64| {
+        PACKED.into_iter().any(|packed| kind == u64::from(packed))
+            || generic && kind == u64::from(api::GL_UNSIGNED_INT_10F_11F_11F_REV)
+    };
+    generic && number.is_some_and(|number| number >= attributes.into()) || kind.is_some_and(|kind| !packed(*kind))
 }
 
 /// Returns the program's array of `N` numbers, and adds them to the checksum of the frame's calls.
@@ -138,7 +154,33 @@ include!(concat!(env!("OUT_DIR"), "/gl_attributes.rs"));
 
 #[cfg(test)]
 mod tests {
-    use super::HOOKS;
+    use super::{HOOKS, Sets, api, is_refused};
+
+    #[test]
+    fn attributes_and_packed_types_that_there_are_not_are_refused() {
+        let packed = u64::from(api::GL_INT_2_10_10_10_REV);
+        for (sets, prefix) in [
+            (Sets::Color, &[][..]),
+            (Sets::Vertex, &[packed]),
+            (Sets::TextureUnit, &[0x84c0]),
+            (Sets::TextureUnit, &[0x84c0, packed]),
+            (Sets::Generic, &[15]),
+            (Sets::ConvertedGeneric, &[15, packed, 0]),
+            (Sets::ConvertedGeneric, &[1, api::GL_UNSIGNED_INT_10F_11F_11F_REV.into(), 0]),
+            (Sets::Material, &[0x404, 0x1200]),
+        ] {
+            assert!(!is_refused(16, sets, prefix), "{sets:?} {prefix:?}");
+        }
+        for (sets, prefix) in [
+            (Sets::Generic, &[16][..]),
+            (Sets::ConvertedGeneric, &[16, packed, 0]),
+            (Sets::ConvertedGeneric, &[1, 0x1406, 0]),
+            (Sets::TextureUnit, &[0x84c0, 0x1406]),
+            (Sets::Normal, &[api::GL_UNSIGNED_INT_10F_11F_11F_REV.into()]),
+        ] {
+            assert!(is_refused(16, sets, prefix), "{sets:?} {prefix:?}");
+        }
+    }
 
     #[test]
     fn every_kind_of_command_is_found_in_the_registry() {
