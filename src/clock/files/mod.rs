@@ -97,6 +97,17 @@ fn milliseconds(limit: c_int) -> Option<u64> {
     u64::try_from(limit).ok().map(|limit| limit * 1_000_000)
 }
 
+/// Length of a served wait with this limit, as of [`wait_or_look`]. `None`: the system waits, because
+/// the caller has real time, or the limit is none.
+///
+/// # Safety
+/// The limit must be null or one of the program.
+unsafe fn served_length(limit: *const libc::timespec, caller: usize) -> Option<Option<u64>> {
+    // SAFETY: as promised.
+    let length = unsafe { limit.as_ref() }.map(nanoseconds);
+    (length != Some(None) && is_served(caller)).then(|| length.flatten())
+}
+
 /// Pointer to a limit, as system calls take it.
 fn pointer(limit: &Option<libc::timespec>) -> *const libc::timespec {
     limit.as_ref().map_or(std::ptr::null(), std::ptr::from_ref)
@@ -142,11 +153,10 @@ pub unsafe extern "C-unwind" fn ppoll_for(
 ) -> c_int {
     // SAFETY: the program's own call, with its limit in another form.
     unsafe {
-        let length = limit.as_ref().map(nanoseconds);
-        if length == Some(None) || !is_served(caller) {
-            return real::ppoll(files, count, limit, mask);
+        match served_length(limit, caller) {
+            Some(length) => polled(files, count, length, mask),
+            None => real::ppoll(files, count, limit, mask),
         }
-        polled(files, count, length.flatten(), mask)
     }
 }
 
@@ -296,11 +306,10 @@ pub unsafe extern "C-unwind" fn epoll_pwait2_for(
 ) -> c_int {
     // SAFETY: the program's own call, with its limit in another form.
     unsafe {
-        let length = limit.as_ref().map(nanoseconds);
-        if length == Some(None) || !is_served(caller) {
-            return real::epoll_pwait2(file, events, count, limit, mask);
+        match served_length(limit, caller) {
+            Some(length) => epolled(file, events, count, length, mask),
+            None => real::epoll_pwait2(file, events, count, limit, mask),
         }
-        epolled(file, events, count, length.flatten(), mask)
     }
 }
 

@@ -268,7 +268,7 @@ impl Recorder<'_> {
             held = if last > 0 { found - last } else { held };
             // Counted from the first frame of the recording; 0 and below: before it.
             let number = i128::from(found) - i128::from(self.first) + 1;
-            if read == 2 && number > 1 && frame.index > before.index + 1 {
+            if self.first > 1 && read == 2 && number > 1 && frame.index > before.index + 1 {
                 return Err(Failure::new(format!(
                     "frame {} shows a picture that the program drew more than a second before it; begin with an \
                      earlier frame (--from)",
@@ -288,11 +288,12 @@ impl Recorder<'_> {
             }
             std::mem::swap(&mut frame, &mut before);
         }
-        // The last picture of a program that ends is shown as long as the one before.
-        for _ in 1..held.min(self.frames - taken + 1) {
-            if taken > 0 {
-                taken += 1;
-                self.sink.take(taken, &before.pictures, true)?;
+        // The last picture of a program that ends is shown as long as the one before, if this completes
+        // the recording. Otherwise the program has failed, and would show another one.
+        if taken > 0 && taken + held > self.frames {
+            for number in taken + 1..=self.frames {
+                self.sink.take(number, &before.pictures, true)?;
+                taken = number;
             }
         }
         progress.bar.finish_and_clear();
