@@ -176,7 +176,14 @@ fn outputs_on_two_screens_are_those_of_one_window() {
 
 /// Waits for the end of a process that fails, and returns its messages.
 fn ends(process: &mut Running) -> String {
-    let status = process.0.wait().expect("it ends");
+    let begin = Instant::now();
+    let status = loop {
+        if let Some(status) = process.0.try_wait().expect("its state can be read") {
+            break status;
+        }
+        assert!(begin.elapsed() < Duration::from_secs(40), "it does not end");
+        std::thread::sleep(Duration::from_millis(20));
+    };
     let mut words = String::new();
     std::io::Read::read_to_string(process.0.stderr.as_mut().expect("a pipe"), &mut words).expect("text");
     assert!(!status.success(), "{status}: {words}");
