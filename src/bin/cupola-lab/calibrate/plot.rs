@@ -4,7 +4,7 @@ use super::trials::Series;
 use std::fmt::Write;
 
 /// Width and height of the plot in pixels.
-const SIZE: (f64, f64) = (900.0, 560.0);
+const SIZE: (f64, f64) = (900.0, 580.0);
 /// Left, top, right and bottom of the area with the points.
 const AREA: [f64; 4] = [80.0, 50.0, 860.0, 440.0];
 /// Range of both axes, pixels.
