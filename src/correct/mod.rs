@@ -2,10 +2,11 @@
 //!
 //! `passes` holds the types. `sources` finds how an output's pixels become directions. `plan`
 //! builds the passes. `shaders` turns them into constants, programs and draws. `projected` serves
-//! programs whose vertices are projected to outputs. `rough` makes passes for a rig that is being
-//! edited, over the views of the plan before. Each folder uses only folders before it.
+//! programs whose vertices are projected to outputs. `over` and `rough` make passes for a rig that is
+//! being edited, over the views of the plan before. Each folder uses only folders before it.
 //! `single` is the only place where f64 becomes f32.
 
+pub mod over;
 pub mod passes;
 pub mod plan;
 pub mod projected;

@@ -15,6 +15,8 @@ tests! {
     the_viewer_follows_the_file,
     the_camera_follows_the_file,
     ramps_follow_the_file_on_vulkan,
+    the_viewer_follows_the_file_over_the_views_of_a_vulkan_window,
+    directions_without_a_view_are_black,
     scenes_off_screen_follow_the_file_on_vulkan,
     a_file_with_a_mistake_changes_nothing,
     methods_that_project_vertices_need_a_new_start,
@@ -152,6 +154,10 @@ fn viewer(file: &Path) {
     tuned(file, &["viewer.yaw=30", "viewer.position=[0.5, 0.3, -1.0]", "output.output-1.blend.black_level=0.05"]);
 }
 
+fn lower_viewer(file: &Path) {
+    tuned(file, &["viewer.yaw=30", "viewer.position=[0.3, -1.0, -0.2]"]);
+}
+
 fn mistake(file: &Path) {
     std::fs::write(file, "[[output]]\nkind = \"domemaster\"\naperture = 1000\n").expect("writes");
 }
@@ -210,6 +216,33 @@ fn ramps_follow_the_file_on_vulkan() {
 }
 
 /// Other views: the program makes a new swapchain and keeps the images to which it draws its scene.
+/// The program makes no new swapchain, so its window keeps its views. The viewer is lower, so the
+/// old views show all that it sees.
+fn the_viewer_follows_the_file_over_the_views_of_a_vulkan_window() {
+    let case = Case::vulkan(Run::new("vk_cube"), "viewer-on-vulkan");
+    let alike = |found: &Picture, expected: &Picture, what: &str| expect_alike(found, expected, 8, what);
+    if let Some(found) = case.follows_as(lower_viewer, alike) {
+        assert!(found.words().contains("over the views that the window has"), "{}", found.words());
+    }
+}
+
+/// Directions that the old views do not show are black, not the texels beside a view.
+fn directions_without_a_view_are_black() {
+    let case = Case::vulkan(Run::new("vk_cube"), "higher-viewer");
+    let alike_or_black = |found: &Picture, expected: &Picture, what: &str| {
+        // Light of 0.05 has the value 65.
+        let is_black = |pixel: &[u8; 3]| pixel.iter().all(|value| *value <= 66);
+        let lit = found.pixels.iter().zip(&expected.pixels);
+        let (black, shown): (Vec<_>, Vec<_>) = lit.partition(|(found, _)| is_black(found));
+        let lost = black.iter().filter(|(_, expected)| !is_black(expected)).count();
+        assert!((200..6_000).contains(&lost), "{what}: {lost} pixels are black");
+        let is_far = |(found, expected): &&(&[u8; 3], &[u8; 3])| (0..3).any(|c| found[c].abs_diff(expected[c]) > 12);
+        let off = shown.iter().filter(is_far).count();
+        assert!(off < 40, "{what}: {off} of {} pixels differ", shown.len());
+    };
+    case.follows_as(viewer, alike_or_black);
+}
+
 fn scenes_off_screen_follow_the_file_on_vulkan() {
     for way in ["post", "chain", "blit"] {
         let extra = ["--way", way];

@@ -26,6 +26,27 @@ pub fn load(path: &Path) -> Result<Mask> {
 }
 
 impl Mask {
+    /// Returns a mask for a picture of `size` pixels: 0 for pixels that are not `lit`, otherwise the
+    /// weight of `weights`, which is stretched over the picture.
+    pub(in crate::correct) fn of_pixels(lit: &[bool], size: (u32, u32), weights: Option<&Self>) -> Self {
+        let weight = |index: u32| weights.map_or(u16::MAX, |mask| mask.weight(index % size.0, index / size.0, size));
+        let weights = (0..).zip(lit).map(|(index, lit)| if *lit { weight(index) } else { 0 }).collect();
+        Self { width: size.0, height: size.1, weights }
+    }
+
+    /// Weight in the middle of a pixel of a picture over which the mask is stretched.
+    fn weight(&self, x: u32, y: u32, size: (u32, u32)) -> u16 {
+        let place = |pixel: u32, pixels: u32, texels: u32| {
+            let at = (f64::from(pixel) + 0.5) * f64::from(texels) / f64::from(pixels) - 0.5;
+            let low = at.floor().clamp(0.0, f64::from(texels - 1));
+            (low as u32, (low as u32 + 1).min(texels - 1), (at - low).clamp(0.0, 1.0))
+        };
+        let ((left, right, u), (top, bottom, v)) = (place(x, size.0, self.width), place(y, size.1, self.height));
+        let at = |column: u32, row: u32| f64::from(self.weights[(row * self.width + column) as usize]);
+        let along = |row: u32| at(left, row) * (1.0 - u) + at(right, row) * u;
+        (along(top) * (1.0 - v) + along(bottom) * v).round() as u16
+    }
+
     /// Returns the mask of the mirrored picture.
     pub(in crate::correct) fn flipped(self, flip: Flip) -> Self {
         Self { weights: flip.items(&self.weights, self.width as usize), ..self }
@@ -111,6 +132,15 @@ mod tests {
             mask.is_black(PixelSpan::new(0, 0, 8, 12), (20, 12))
                 && !mask.is_black(PixelSpan::new(0, 0, 12, 12), (20, 12))
         );
+    }
+
+    #[test]
+    fn pixels_without_light_are_black_in_a_stretched_mask() {
+        let mask = Mask { width: 2, height: 1, weights: vec![0, 40_000] };
+        let lit: Vec<bool> = (0..8).map(|index| index != 6).collect();
+        let pixels = Mask::of_pixels(&lit, (4, 2), Some(&mask));
+        assert_eq!(pixels.weights, [0, 10_000, 30_000, 40_000, 0, 10_000, 0, 40_000]);
+        assert_eq!(Mask::of_pixels(&lit, (4, 2), None).weights[5..], [u16::MAX, 0, u16::MAX]);
     }
 
     #[test]

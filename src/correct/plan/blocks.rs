@@ -55,6 +55,14 @@ pub(in crate::correct) fn examine(
     needs::cached(&key, examiner.blocks(), views.len(), cache, || examiner.all())
 }
 
+/// Returns a mask for output `index` of `rig` that is also black where no view shows the pixel's
+/// direction; `None` if there is no such pixel.
+pub(in crate::correct) fn mask_of_served(rig: &Rig, index: usize, picture: &Picture, plan: &ViewPlan) -> Option<Mask> {
+    let served = Examiner::new(rig, picture, plan, &plan.output_views[index]).served();
+    let is_complete = served.iter().all(|served| *served);
+    (!is_complete).then(|| Mask::of_pixels(&served, picture.size, picture.mask.as_ref()))
+}
+
 /// Returns the batches of output `index` of `rig`, whose blocks have been `examined`.
 ///
 /// The result is conservative. A batch lists every view that one of its pixels' centres samples,

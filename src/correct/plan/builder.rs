@@ -3,6 +3,7 @@
 use crate::blend::Weights;
 use crate::cache::Cache;
 use crate::correct::passes::black::BlackPicture;
+use crate::correct::passes::facets::Facets;
 use crate::correct::passes::mask;
 use crate::correct::passes::output_pass::{Batch, OutputPass, Plan};
 use crate::correct::passes::source::Source;
@@ -15,6 +16,7 @@ use crate::geom::ContentMap;
 use crate::rig::{Flip, Method, Output, Rig};
 use crate::views::planner::Planning;
 use crate::views::{Request, ViewPlan};
+use std::sync::Arc;
 
 /// Plans the views and the passes of `rig`. The result is deterministic and needs no graphics API.
 /// Reads the files of masks.
@@ -48,23 +50,60 @@ pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
     let mut planning = Planning::new(rig, request, by_method::sampling_margin(rig, &domes), cache)?;
     let mut views = planning.place()?;
     let pictures = pictures(rig, sizes, flips.zip(content), cache)?;
-    let examine = |views: &ViewPlan| -> Vec<Examined> {
-        let pictures = pictures.iter().zip(&request.output_sizes).enumerate();
-        let examined = pictures.map(|(index, (picture, size))| match size {
-            (0, 0) => Examined::default(),
-            _ => blocks::examine(rig, index, picture, views, cache),
-        });
-        examined.collect()
-    };
-    let mut examined = examine(&views);
+    let mut examined = examine(rig, request, &pictures, &views, cache);
     // The planner only samples an output. Here every pixel was examined.
     for _ in 0..MOST_REPAIRS {
         if !complete(&mut planning, &views, &examined) {
             break;
         }
         views = planning.place()?;
-        examined = examine(&views);
+        examined = examine(rig, request, &pictures, &views, cache);
     }
+    finished(rig, request, sizes, (pictures, examined), (views, &domes))
+}
+
+/// Passes of `rig` over views that were planned for another rig of as many outputs, and for
+/// `request`. `views` lists for each output all views that it may sample. Takes tables from
+/// `cache`, or stores them there.
+///
+/// Pixels whose directions no view shows are black.
+///
+/// # Errors
+/// As [`build`], without those of the views.
+pub(in crate::correct) fn build_over(rig: &Rig, request: &Request, views: ViewPlan, cache: &Cache) -> Result<Plan> {
+    let flips = rig.outputs.iter().map(|output| output.flip);
+    let rig = &*rig.upright();
+    let sizes: Vec<_> = request.output_sizes.iter().map(|&(width, height)| (width.max(1), height.max(1))).collect();
+    let sizes = sizes.as_slice();
+    let domes = by_method::dome_meshes(rig, sizes)?;
+    let mut pictures = pictures(rig, sizes, flips.zip(std::iter::repeat(None)), cache)?;
+    let examined = examine(rig, request, &pictures, &views, cache);
+    for (index, (picture, examined)) in pictures.iter_mut().zip(&examined).enumerate() {
+        if !examined.unseen.is_empty() || examined.beyond.iter().any(Option::is_some) {
+            picture.mask = blocks::mask_of_served(rig, index, picture, &views).or(picture.mask.take());
+        }
+    }
+    finished(rig, request, sizes, (pictures, examined), (views, &domes))
+}
+
+/// Examines the pictures of all outputs. An output that is not shown needs nothing.
+fn examine(rig: &Rig, request: &Request, pictures: &[Picture], views: &ViewPlan, cache: &Cache) -> Vec<Examined> {
+    let pictures = pictures.iter().zip(&request.output_sizes).enumerate();
+    let examined = pictures.map(|(index, (picture, size))| match size {
+        (0, 0) => Examined::default(),
+        _ => blocks::examine(rig, index, picture, views, cache),
+    });
+    examined.collect()
+}
+
+/// Makes the passes of outputs whose pictures have been examined.
+fn finished(
+    rig: &Rig,
+    request: &Request,
+    sizes: &[(u32, u32)],
+    (pictures, examined): (Vec<Picture>, Vec<Examined>),
+    (views, domes): (ViewPlan, &[Option<Arc<Facets>>]),
+) -> Result<Plan> {
     let lift = match rig.outputs.iter().any(|output| output.blend.contrast.is_some()) {
         true => Weights::new(rig, sizes)?.greatest_black(),
         false => 0.0,
@@ -75,7 +114,7 @@ pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
             (0, 0) => Vec::new(),
             _ => blocks::batches(rig, index, &picture, &views, examined),
         };
-        let batches = by_method::batches_of(rig, index, sizes, batches, &picture, &views, &domes)?;
+        let batches = by_method::batches_of(rig, index, sizes, batches, &picture, &views, domes)?;
         passes.push(pass(rig, index, picture, batches, lift));
     }
     Ok(Plan { views, passes })

@@ -122,6 +122,17 @@ impl<'a> Examiner<'a> {
         Examined { needs, beyond: self.beyond, unseen: self.unseen }
     }
 
+    /// For each pixel, row by row, true if a view shows its direction, or if it has none.
+    pub(super) fn served(&self) -> Vec<bool> {
+        let centre = |at: u32| f64::from(at) + 0.5;
+        let places = (0..self.size.1).flat_map(|y| (0..self.size.0).map(move |x| (centre(x), centre(y))));
+        let served = |(x, y)| {
+            let direction = self.direction(x, y);
+            direction.is_none_or(|direction| self.views.iter().any(|view| view.depth(direction) >= 0.0))
+        };
+        places.map(served).collect()
+    }
+
     /// Returns the normalised coordinates of a pixel position.
     fn normalised(&self, x: f64, y: f64) -> (f64, f64) {
         self.source.normalised(self.size, x, y)

@@ -15,6 +15,7 @@ mod pieces;
 #[cfg(test)]
 mod tests;
 
+use crate::correct::over;
 use crate::correct::passes::black::BlackPicture;
 use crate::correct::passes::facets::Facets;
 use crate::correct::passes::mask;
@@ -36,14 +37,7 @@ use std::sync::Arc;
 /// `None` if these views cannot serve: some are no perspective views, or the window is content. Also
 /// if a file of the rig cannot be read. The plan for the rig itself then finds the reason.
 pub fn plan(rig: &Rig, request: &Request, plan: &Plan, drawn: u64) -> Option<Plan> {
-    let views = &plan.views;
-    let is_served = !rig.passthrough
-        && rig.content.is_none()
-        && rig.outputs.len() == plan.passes.len()
-        && views.output_views.len() == plan.passes.len()
-        && views.views.iter().all(|view| !view.program_lens && view.curved.is_none())
-        && plan.passes.iter().all(|pass| pass.content.is_none());
-    if !is_served {
+    if !over::is_served(rig, plan) {
         return None;
     }
     let sizes: Vec<_> = request.output_sizes.iter().map(|&(width, height)| (width.max(1), height.max(1))).collect();
@@ -52,24 +46,15 @@ pub fn plan(rig: &Rig, request: &Request, plan: &Plan, drawn: u64) -> Option<Pla
         let facets = match request.output_sizes[index] {
             (0, 0) => Vec::new(),
             _ => {
-                let openings = openings(plan, index, rig.outputs[index].eye, drawn);
+                let views = over::views_of(plan, index, rig.outputs[index].eye, drawn);
+                let openings: Vec<_> = views.into_iter().map(|view| Opening::of(&plan.views, view)).collect();
                 let sampler = SurfaceSampler::new(&upright, index, &sizes).ok()?;
                 pieces::in_views(&cells::triangles(&sampler), &openings)
             }
         };
         pass(rig, index, sizes[index], facets)
     });
-    Some(Plan { passes: passes.collect::<Option<_>>()?, views: views.clone() })
-}
-
-/// Returns the openings of the drawn views for an output: its own first, then the others of its
-/// eye.
-fn openings(plan: &Plan, output: usize, eye: f64, drawn: u64) -> Vec<Opening> {
-    let views = &plan.views.views;
-    let own = plan.views.output_views[output].iter().copied();
-    let others = (0..views.len()).filter(|view| !plan.views.output_views[output].contains(view));
-    let is_drawn = |view: &usize| *view < 64 && drawn >> *view & 1 == 1 && views[*view].eye == eye;
-    own.chain(others).filter(is_drawn).map(|view| Opening::of(&plan.views, view)).collect()
+    Some(Plan { passes: passes.collect::<Option<_>>()?, views: plan.views.clone() })
 }
 
 /// Returns the pass of an output whose pixels show the triangles of some views.

@@ -1,8 +1,9 @@
 use super::plan;
 use crate::blend::Weights;
+use crate::correct::over;
 use crate::correct::passes::output_pass::{OutputPass, Plan};
 use crate::correct::plan::builder::build;
-use crate::correct::rough::openings;
+use crate::correct::rough::pieces::Opening;
 use crate::correct::shaders::draws::{Rows, draws};
 use crate::correct::shaders::glsl::{Language, Stage, specialise};
 use crate::rig::{OutputKind, Rig};
@@ -72,7 +73,8 @@ fn compare(rig: &Rig, size: (u32, u32), old: &Plan, rough: &Plan) -> Compared {
     let weights = Weights::new(rig, &sizes).expect("weights");
     for (index, pass) in rough.passes.iter().enumerate() {
         let map = WarpMap::new(rig, index, size, None).expect("a map");
-        let openings = openings(old, index, 0.0, u64::MAX);
+        let views = over::views_of(old, index, 0.0, u64::MAX);
+        let openings: Vec<_> = views.into_iter().map(|view| Opening::of(&old.views, view)).collect();
         for (column, row) in (0..size.1).step_by(23).flat_map(|row| (0..size.0).step_by(17).map(move |x| (x, row))) {
             let pixel = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
             let Some(exact) = map.direction(pixel) else { continue };

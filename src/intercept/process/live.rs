@@ -22,6 +22,10 @@ const INTERVAL: Duration = Duration::from_millis(10);
 /// Least ratio of the pause after a check of the file to the time of the check.
 const PAUSE: u32 = 100;
 
+/// Time after the last change of a rig that somebody is editing, after which it is planned. That
+/// takes up to a second, in which further changes would have to wait.
+pub const REST: Duration = Duration::from_millis(1500);
+
 /// Number of versions whose checksums are known: a window shows one of the last ones.
 const SUMS: usize = 32;
 

@@ -204,6 +204,12 @@ fn publish_path(rig: &Rig) -> Option<PathBuf> {
 }
 
 impl Settings {
+    /// True if somebody looks at the pictures of this process as they come, for example on the page
+    /// of `cupola serve`.
+    pub fn is_watched(&self) -> bool {
+        self.publish.is_some() && self.publish_interval > 0 && !self.publish_waits
+    }
+
     /// True if the program has run for the requested time.
     pub fn is_time_over(&self) -> bool {
         self.end.is_some_and(|end| Instant::now() >= end)

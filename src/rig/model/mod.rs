@@ -66,6 +66,19 @@ impl Rig {
         Cow::Owned(all)
     }
 
+    /// True if the views that are planned for `other` are those of this rig: both differ only in the
+    /// light of their outputs.
+    pub fn has_views_of(&self, other: &Self) -> bool {
+        let mut other = other.clone();
+        let (own, others) =
+            (self.outputs.iter().chain(&self.beside), other.outputs.iter_mut().chain(&mut other.beside));
+        for (own, other) in own.zip(others) {
+            (other.blend, other.black) = (own.blend.clone(), own.black.clone());
+        }
+        other.name.clone_from(&self.name);
+        *self == other
+    }
+
     /// True if the rig itself requests published pictures.
     pub fn publishes(&self) -> bool {
         !self.beside.is_empty() || self.outputs.iter().any(|output| output.publish)

@@ -20,6 +20,7 @@ use ash::prelude::VkResult;
 use ash::vk::{self, Handle};
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
 
 impl Swapchain {
     /// Returns image number `index` of the program.
@@ -30,45 +31,65 @@ impl Swapchain {
         }
     }
 
-    /// Applies the rig as its file is now, before a picture is made. If only the correction
-    /// changes, it is made again. The program's images fit the old views, so other views need a new
-    /// swapchain, and so does the program's own picture, in which shaders write. Returns whether the
-    /// program should be asked for a new swapchain. If planning or
-    /// making fails, nothing changes.
+    /// Applies the rig as its file is now, before a picture is made. Returns whether the program
+    /// should be asked for a new swapchain. While somebody edits the rig, that has to wait until the
+    /// rig rests.
     ///
     /// # Safety
     /// The device must be live, and no other thread may present this swapchain meanwhile.
     pub unsafe fn follow_rig(&mut self, device: &Device) -> bool {
         let lacks_own = self.stand_in.as_ref().is_some_and(|s| device.pipelines.write() && !s.layout.read);
         let version = live::version();
-        let Some(stand_in) = self.stand_in.as_mut().filter(|_| !self.failed && self.version != version) else {
-            return lacks_own;
-        };
-        self.version = version;
-        let Some(live) = live::rig() else { return lacks_own };
-        let (window, read) = (stand_in.layout.window, stand_in.layout.read);
-        let adopted = plan(device, &live.rig, window, read).and_then(|new| {
-            let layout = AtlasLayout { version, ..new };
-            let (old, new) = (&stand_in.layout.plan.views, &layout.plan.views);
-            // Recorded commands contain the program's camera as the old rig changed it.
-            let same = stand_in.layout.session.rig().camera == layout.session.rig().camera
-                && (&old.views, &old.panel, old.atlas) == (&new.views, &new.panel, new.atlas);
+        if self.stand_in.is_some() && !self.failed && self.version != version {
+            self.version = version;
             // SAFETY: as promised.
-            same.then(|| unsafe { stand_in.adopt(device, Arc::new(layout)) }).transpose()
-        });
-        match adopted {
-            Ok(Some(())) => lacks_own,
-            Ok(None) => {
-                log::once(
-                    "Vulkan: the rig's views have changed; a window follows when the program makes its next swapchain, as after a change of size",
-                );
-                true
-            }
-            Err(error) => {
-                log::once(&format!("Vulkan: the rig stays as it was: {}", error.message));
-                lacks_own
+            let adopted = live::rig().map_or(Ok(false), |live| unsafe { self.adopt(device, &live) });
+            match adopted {
+                Ok(true) => self.outdated = Some(Instant::now()),
+                Ok(false) => {}
+                Err(error) => log::once(&format!("Vulkan: the rig stays as it was: {}", error.message)),
             }
         }
+        let rest = if settings::settings().is_some_and(Settings::is_watched) { live::REST } else { Duration::ZERO };
+        self.outdated.take_if(|since| since.elapsed() >= rest).is_some() || lacks_own
+    }
+
+    /// Makes the correction for another rig. The program's images and recorded commands fit the
+    /// views that they have, so the rig is shown over these. Another camera, for example, needs a
+    /// new swapchain. Returns whether a new swapchain would show another picture. If planning or
+    /// making fails, nothing changes.
+    ///
+    /// # Safety
+    /// As for [`Swapchain::follow_rig`].
+    unsafe fn adopt(&mut self, device: &Device, live: &Live) -> Result<bool> {
+        let Some(stand_in) = &mut self.stand_in else { return Ok(false) };
+        let old = &stand_in.layout;
+        // Recorded commands contain the program's camera as the old rig changed it.
+        let same_camera = old.session.rig().camera == live.rig.camera;
+        let same_views = live.rig.has_views_of(old.session.rig());
+        let layout = if same_camera { old.over(&live.rig)? } else { None };
+        let shown = layout.is_some();
+        match layout {
+            // SAFETY: as promised.
+            Some(layout) => unsafe {
+                stand_in.adopt(device, Arc::new(AtlasLayout { version: live.version, ..layout }))?;
+            },
+            // A new swapchain shows the rig only if it can be planned.
+            None => drop(plan(device, &live.rig, old.window, old.read)?),
+        }
+        if !(shown && same_views) {
+            log::once(match shown {
+                true => {
+                    "Vulkan: a changed rig is shown over the views that the window has; they are planned anew for the \
+                     program's next swapchain, as after a change of size"
+                }
+                false => {
+                    "Vulkan: the rig's views have changed; a window follows when the program makes its next \
+                     swapchain, as after a change of size"
+                }
+            });
+        }
+        Ok(!(shown && same_views))
     }
 
     /// Returns the source of the next picture of image `index`; `None` if the image is presented
@@ -284,7 +305,7 @@ unsafe fn build(
     let texel_format = TexelFormat::of(info.image_format).unwrap_or(TexelFormat::Rgba8);
     let version = corrected.map_or(0, |(live, _)| live.version);
     let (extent, publishing, failed) = (info.image_extent, None, false);
-    Ok(Swapchain { extent, texel_format, supported, real, stand_in, publishing, failed, version })
+    Ok(Swapchain { extent, texel_format, supported, real, stand_in, publishing, failed, version, outdated: None })
 }
 
 /// # Safety

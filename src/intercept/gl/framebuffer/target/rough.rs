@@ -4,18 +4,14 @@
 use crate::backend::gl::driver::api::Gl;
 use crate::error::Result;
 use crate::intercept::gl::state::drawable::default_framebuffer::{DefaultFramebuffer, RoughlyShown};
-use crate::intercept::process::live::Live;
+use crate::intercept::process::live::{Live, REST};
 use crate::intercept::process::settings::{self, Settings};
 use crate::intercept::process::{clock, log};
-use std::time::{Duration, Instant};
-
-/// Time after the last change of the rig after which its own plan is made. That takes up to a
-/// second, in which further changes would have to wait.
-const REST: Duration = Duration::from_millis(1500);
+use std::time::Instant;
 
 /// True if somebody looks at the pictures of this process as they come. Recorded pictures are exact.
 fn is_watched(settings: &Settings) -> bool {
-    settings.publish.is_some() && settings.publish_interval > 0 && !settings.publish_waits && clock::time().is_none()
+    settings.is_watched() && clock::time().is_none()
 }
 
 impl DefaultFramebuffer {

@@ -17,6 +17,7 @@ use ash::vk;
 use std::collections::HashMap;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 
 /// Source of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,6 +102,9 @@ pub struct Swapchain {
     pub(in crate::intercept::vk) failed: bool,
     /// Version of the rig's file that it uses.
     pub(in crate::intercept::vk) version: u64,
+    /// Time of the last change of the rig that only a new swapchain shows as it is planned; `None`:
+    /// there is none, or the program was asked for one since.
+    pub(in crate::intercept::vk) outdated: Option<Instant>,
 }
 
 /// The swapchains that Cupola manages.

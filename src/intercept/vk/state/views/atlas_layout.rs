@@ -158,32 +158,36 @@ impl AtlasLayout {
         if read && !(0..session.views().len()).any(|index| ViewTile::of(&session, index).is_window(size)) {
             session = session.with(Extras { primary: true, ..session.extras() })?;
         }
+        Self::of(session, size, read)
+    }
+
+    /// Returns a layout of the same window for another rig, over the same views; `None` if these
+    /// cannot serve it.
+    ///
+    /// # Errors
+    /// As for [`Session::over`].
+    pub fn over(&self, rig: &Rig) -> Result<Option<Self>> {
+        self.session.over(rig)?.map(|session| Self::of(session, self.window, self.read)).transpose()
+    }
+
+    fn of(session: Session, window: (u32, u32), read: bool) -> Result<Self> {
         let plan = upside_down(session.plan());
-        let atlas = plan.views.atlas;
         let panel = session.panel().ok_or_else(|| Error::new(ErrorKind::Internal, "the plan has no panel"))?;
-        let views = (0..session.views().len()).map(|index| ViewTile::of(&session, index)).collect();
-        let outputs = session.viewports_from_top((0, 0));
-        let primary = session.primary().map(AtlasRect::from);
-        let panel = panel.into();
-        let lenses = session.lenses();
-        let (session, of_images) = (Arc::new(session), Mutex::default());
-        let pixels = 1.0;
-        let (window, version) = (size, 0);
         Ok(Self {
             even: false,
             window,
-            pixels,
+            pixels: 1.0,
             part: None,
-            of_images,
-            version,
-            atlas,
-            panel,
-            primary,
+            of_images: Mutex::default(),
+            version: 0,
+            atlas: plan.views.atlas,
+            panel: panel.into(),
+            primary: session.primary().map(AtlasRect::from),
             read,
-            views,
-            lenses,
-            outputs,
-            session,
+            views: (0..session.views().len()).map(|index| ViewTile::of(&session, index)).collect(),
+            lenses: session.lenses(),
+            outputs: session.viewports_from_top((0, 0)),
+            session: Arc::new(session),
             plan,
         })
     }
