@@ -2,10 +2,13 @@
 //!
 //! `world` has the rig, its rough description and the camera. `trials` makes marks and sightings
 //! with errors, solves them and compares with the limit of Cramér and Rao; `plot` draws the result.
-//! `photographs` renders the camera's photographs of the patterns, decodes and solves them.
+//! `photographs` takes the camera's photographs of the patterns, decodes and solves them; `render`
+//! renders them, with the light of `lamps`.
 
+mod lamps;
 mod photographs;
 mod plot;
+mod render;
 mod trials;
 mod world;
 
@@ -43,13 +46,16 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         std::fs::write(file, plot::errors(&series))
             .map_err(|error| Failure::new(format!("{} cannot be written: {error}", file.display())))?;
     }
-    let photographed = arguments.photographs.then(photographs::measured).transpose()?;
+    let done = |found: &Photographed| {
+        if !arguments.json {
+            print!("{}", found.table());
+        }
+    };
+    let photographed = arguments.photographs.then(|| photographs::measured(done)).transpose()?;
     if arguments.json {
         let tables = |found: Vec<Photographed>| found.iter().map(Photographed::json).collect::<Vec<_>>();
         let series: Vec<_> = series.iter().map(trials::Series::json).collect();
         println!("{:#}", json!({ "series": series, "photographs": photographed.map(tables) }));
-    } else {
-        photographed.iter().flatten().for_each(|found| print!("{}", found.table()));
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -1,6 +1,6 @@
 //! Error against noise for marks and for sightings, some of which are wrong.
 
-use super::world::{self, LENS, PHOTOGRAPH, SIZE, World};
+use super::world::{self, LENS, PHOTOGRAPH, PRESET, SIZE, World};
 use crate::failure::Failure;
 use crate::random::Random;
 use crate::terminal;
@@ -127,7 +127,7 @@ pub fn all(runs: u32) -> Result<Vec<Series>, Failure> {
 
 /// Solves each output of a new rig from marks.
 fn by_marks(point: &mut Point, random: &mut Random) -> Result<(), Failure> {
-    let world = World::new(random, &LENS)?;
+    let world = World::new(PRESET, &LENS, random)?;
     for output in 0..world.exact.outputs.len() {
         let (projector, optics) = world.projector(output)?;
         let mut all: Vec<Mark> = (0..MARKS)
@@ -154,8 +154,8 @@ fn by_marks(point: &mut Point, random: &mut Random) -> Result<(), Failure> {
 
 /// Solves all outputs of a new rig from a camera's sightings.
 fn by_sightings(point: &mut Point, random: &mut Random, free: &[Part]) -> Result<(), Failure> {
-    let world = World::new(random, free)?;
-    let camera = world::camera(random);
+    let world = World::new(PRESET, free, random)?;
+    let camera = world::camera(&world, random);
     let mut all = Observed { photograph: PHOTOGRAPH, ..Observed::default() };
     for output in 0..world.exact.outputs.len() {
         let (projector, optics) = world.projector(output)?;

@@ -7,6 +7,8 @@ use cupola::geom::{Optics, Pose};
 use cupola::rig::{self, OutputKind, Rig};
 use glam::{DVec2, DVec3};
 
+/// Preset whose dome has many projectors.
+pub const PRESET: &str = "planetarium-6";
 /// A projector's pose and the numbers of its lens.
 pub const LENS: [Part; 4] = [Part::Pose, Part::Fov, Part::Shift, Part::Radial];
 /// Size of the pictures of all outputs.
@@ -23,17 +25,21 @@ pub struct World {
 }
 
 impl World {
-    /// Makes the planetarium with projectors moved by centimetres and degrees. If the numbers of
-    /// the lenses are free as well, it has real lenses.
-    pub fn new(random: &mut Random, parts: &[Part]) -> Result<Self, Failure> {
-        let exact = rig::load("planetarium-6")?;
+    /// Makes a preset's dome with projectors moved by centimetres and degrees. If the numbers of
+    /// the lenses or of a mirror are free as well, they are those of real ones.
+    pub fn new(preset: &str, parts: &[Part], random: &mut Random) -> Result<Self, Failure> {
+        let exact = rig::load(preset)?;
         let mut world = Self { rough: exact.clone(), exact };
         for output in 0..world.exact.outputs.len() {
             let described = &world.exact.outputs[output];
             let projector = Projector::new(described, SIZE, parts, world.exact.surface().size())?;
-            let lens = [0.01, -0.008, 0.02, 0.01, -0.05, 0.02].into_iter();
+            let rest: &[f64] = match parts.contains(&Part::Mirror) {
+                true => &[0.006, -0.004, 0.008, 0.005],
+                false => &[0.01, -0.008, 0.02, 0.01, -0.05, 0.02],
+            };
             let pose = random.vector(-0.02, 0.02).to_array().into_iter().chain(random.vector(-0.05, 0.05).to_array());
-            let optics = projector.optics(&pose.chain(lens).take(projector.parameters()).collect::<Vec<f64>>());
+            let optics =
+                projector.optics(&pose.chain(rest.iter().copied()).take(projector.parameters()).collect::<Vec<f64>>());
             world.exact.outputs[output].kind = OutputKind::Optics { optics: Box::new(optics), even_light: 0.0 };
         }
         Ok(world)
@@ -66,9 +72,13 @@ impl World {
     }
 }
 
-/// A camera near the dome's centre with a fisheye that looks up.
-pub fn camera(random: &mut Random) -> Camera {
-    let pose = Pose::new(random.vector(-0.6, 0.6), 0.4, 1.2, 0.3);
+/// A camera near the dome's centre with a fisheye that looks at the middle of the screen: up, or
+/// ahead if the dome is tilted to the front.
+pub fn camera(world: &World, random: &mut Random) -> Camera {
+    let ahead = world.exact.dome.tilt > 0.25 * std::f64::consts::PI;
+    let angles = if ahead { [0.1, 0.05, 0.2] } else { [0.4, 1.2, 0.3] };
+    let reach = 0.12 * world.exact.surface().size();
+    let pose = Pose::new(random.vector(-reach, reach), angles[0], angles[1], angles[2]);
     let mut camera = Camera::new(pose, CameraLens::Fisheye, 905.0, PHOTOGRAPH);
     camera.radial = [-0.03, 0.002, 0.0];
     camera.center += DVec2::new(31.0, -18.0);
@@ -86,7 +96,7 @@ pub fn landmarks(world: &World, camera: &Camera, count: usize, random: &mut Rand
     let mut found = Vec::with_capacity(count);
     while found.len() < count {
         let direction = random.direction();
-        let point = world.exact.surface().unbounded_hit(DVec3::ZERO, direction).map(|hit| hit.point);
+        let point = world.exact.surface().hit(DVec3::ZERO, direction).map(|hit| hit.point);
         if let Some(seen) = point.and_then(|point| camera.place(point)).filter(|place| is_inside(*place)) {
             found.push((seen, direction));
         }
