@@ -19,9 +19,11 @@ use crate::geom::pose;
 pub use crate::geom::reprojection::ClipRows;
 pub use crate::geom::reprojection::eye_axes::{self, ViewMatrix};
 pub use crate::geom::reprojection::{CameraFunction, Direction, Intrinsics, MatrixClass, classify};
+use crate::lock::Lock;
 use crate::rig::{Camera, Favour, Method, Rig};
 use crate::views::{Request, View};
 use glam::{DMat3, DVec3};
+use std::sync::Mutex;
 
 /// Needs of a program, as far as Cupola has seen them: tiles beside the views, and the number of
 /// draws, which decides how many views are worth their cost.
@@ -49,6 +51,8 @@ pub struct Session {
     turns: Option<Turns>,
     /// Views that outputs of this machine sample, one bit for each.
     needed: u64,
+    /// Adaptation of the program's camera. It may change while frames are drawn.
+    camera: Mutex<Camera>,
 }
 
 /// Views that outputs of this machine sample, one bit for each.
@@ -125,7 +129,8 @@ impl Session {
         let request = Request { output_sizes, window, panel, primary, max_atlas };
         let plan = plan(rig, draws, &request)?;
         let needed = needed(rig, &plan);
-        Ok(Self { rig: rig.clone(), draws, request, plan, rects, refused: Vec::new(), turns: None, needed })
+        let (rig, camera, refused) = (rig.clone(), Mutex::new(rig.camera), Vec::new());
+        Ok(Self { rig, draws, request, plan, rects, refused, turns: None, needed, camera })
     }
 
     /// The same rig and window with other tiles beside the views.
@@ -140,13 +145,19 @@ impl Session {
         plan.views.notes.extend_from_slice(&refused);
         let needed = needed(&self.rig, &plan);
         let (rig, rects) = (self.rig.clone(), self.rects.clone());
-        let session = Self { rig, draws, request, plan, rects, refused, turns: None, needed };
+        let camera = Mutex::new(self.program_camera());
+        let session = Self { rig, draws, request, plan, rects, refused, turns: None, needed, camera };
         Ok(if self.turns.is_some() { session.in_turn() } else { session })
     }
 
     /// Sets the adaptation of the program's camera, which has no effect on the plan.
-    pub fn set_camera(&mut self, camera: Camera) {
-        self.rig.camera = camera;
+    pub fn set_camera(&self, camera: Camera) {
+        *self.camera.locked() = camera;
+    }
+
+    /// Adaptation of the program's camera.
+    pub fn program_camera(&self) -> Camera {
+        *self.camera.locked()
     }
 
     /// Makes the program draw one view in each of its frames, with the size of its window, instead
@@ -172,7 +183,8 @@ impl Session {
         self.turns.as_ref()
     }
 
-    /// Rig of the session.
+    /// Rig of the session. Its camera is that of the session's start; see
+    /// [`Session::program_camera`].
     pub fn rig(&self) -> &Rig {
         &self.rig
     }
@@ -204,7 +216,7 @@ impl Session {
 
     /// View that is nearest to the forward direction of the program's camera.
     pub fn ahead(&self) -> usize {
-        let forward = camera_rotation(&self.rig.camera) * DVec3::NEG_Z;
+        let forward = camera_rotation(&self.program_camera()) * DVec3::NEG_Z;
         let slant = |view: &View| (view.rotation * forward).z;
         let views = self.views().iter().enumerate();
         views.min_by(|a, b| slant(a.1).total_cmp(&slant(b.1))).map_or(0, |(index, _)| index)

@@ -15,6 +15,7 @@ tests! {
     the_viewer_follows_the_file,
     the_camera_follows_the_file,
     ramps_follow_the_file_on_vulkan,
+    the_camera_follows_the_file_on_vulkan,
     the_viewer_follows_the_file_over_the_views_of_a_vulkan_window,
     directions_without_a_view_are_black,
     scenes_off_screen_follow_the_file_on_vulkan,
@@ -216,6 +217,11 @@ fn ramps_follow_the_file_on_vulkan() {
 }
 
 /// Other views: the program makes a new swapchain and keeps the images to which it draws its scene.
+/// The program has recorded its commands before the change, and makes no new swapchain.
+fn the_camera_follows_the_file_on_vulkan() {
+    Case::vulkan(Run::new("vk_cube"), "camera-on-vulkan").follows(camera);
+}
+
 /// The program makes no new swapchain, so its window keeps its views. The viewer is lower, so the
 /// old views show all that it sees.
 fn the_viewer_follows_the_file_over_the_views_of_a_vulkan_window() {

@@ -67,7 +67,7 @@ impl Rig {
     }
 
     /// True if the views that are planned for `other` are those of this rig: both differ only in the
-    /// light of their outputs.
+    /// light of their outputs and in the program's camera.
     pub fn has_views_of(&self, other: &Self) -> bool {
         let mut other = other.clone();
         let (own, others) =
@@ -75,6 +75,7 @@ impl Rig {
         for (own, other) in own.zip(others) {
             (other.blend, other.black) = (own.blend.clone(), own.black.clone());
         }
+        other.camera = self.camera;
         other.name.clone_from(&self.name);
         *self == other
     }

@@ -34,14 +34,14 @@ impl Session {
     /// Lens that the rig gives the program, for draws whose lens is not known. Its depth is that of
     /// a far plane at infinity, which keeps the order of depths for any other far plane.
     pub fn given_lens(&self) -> Option<Intrinsics> {
-        let [a, c] = self.rig.camera.lens?.map(|opening| 1.0 / (opening / 2.0).tan());
+        let [a, c] = self.program_camera().lens?.map(|opening| 1.0 / (opening / 2.0).tan());
         Some(Intrinsics { a, b: 0.0, c, d: 0.0, e: -1.0, f: None })
     }
 
     /// Returns the adaptation of the program's camera for a view: the rig's, from the view's eye.
     pub fn camera(&self, view: &View) -> CameraAdjustment {
-        let camera = &self.rig.camera;
-        let rotation = camera_rotation(camera);
+        let camera = self.program_camera();
+        let rotation = camera_rotation(&camera);
         let eye = rotation.transpose() * (DVec3::X * (view.eye * camera.units_per_meter));
         CameraAdjustment { zoom: camera.zoom, shift: camera.shift + eye, rotation }
     }
@@ -117,7 +117,7 @@ mod tests {
         other.camera.zoom = 1.5;
         other.camera.pitch = 0.3;
         let plan = |rig| Session::new(rig, (900, 300), false, 8192, Extras::default()).expect("can be planned");
-        let (mut session, planned) = (plan(&rig), plan(&other));
+        let (session, planned) = (plan(&rig), plan(&other));
         let frustum = Frustum { left: -0.8, right: 0.7, bottom: -0.5, top: 0.6 };
         let MatrixClass::Perspective(lens) = classify(&frustum.projection_matrix(1.0, 1000.0)) else {
             panic!("it is one")

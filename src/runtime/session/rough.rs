@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::rig::{Output, Rig};
 use crate::runtime::cache;
 use crate::runtime::session::{Session, needed};
+use std::sync::Mutex;
 
 impl Session {
     /// Returns passes that show another rig roughly over the views of this session; `None` if these
@@ -26,6 +27,7 @@ impl Session {
         let plan = over::plan(&rig.with_all_outputs(), &self.request, &self.plan, self.needed, cache::of_process())?;
         Ok(plan.map(|plan| Self {
             needed: needed(rig, &plan),
+            camera: Mutex::new(rig.camera),
             plan,
             rig: rig.clone(),
             draws: self.draws,

@@ -16,8 +16,8 @@ impl Session {
     /// there.
     pub fn samples(&self, lens: &Intrinsics, own: f64, off_screen: bool) -> f64 {
         const GRID: u32 = 16;
-        let camera = &self.rig.camera;
-        let rotation = camera_rotation(camera);
+        let camera = self.program_camera();
+        let rotation = camera_rotation(&camera);
         // A cell of the grid, in tangents of the program's own axis.
         let cell = (camera.zoom * 2.0 / f64::from(GRID)).powi(2) / (lens.a * lens.c).abs();
         let mut sum = 0.0;

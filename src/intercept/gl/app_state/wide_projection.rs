@@ -22,7 +22,7 @@ pub fn answer(drawable: &Drawable, compat: &mut Compat, gl: &Gl, name: u32) -> O
         api::GL_TRANSPOSE_PROJECTION_MATRIX => true,
         _ => return None,
     };
-    let session = drawable.session().filter(|session| session.rig().camera.answer_wide)?;
+    let session = drawable.session().filter(|session| session.program_camera().answer_wide)?;
     // Between Begin and End the driver gives no answer.
     // SAFETY: the room is larger than a matrix of doubles.
     if !is_answered(|room: *mut f64| unsafe { gl.get_doublev(name, room) }) {

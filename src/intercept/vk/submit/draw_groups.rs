@@ -50,10 +50,15 @@ impl Frame {
     fn follow(&mut self, layout: &Arc<AtlasLayout>) {
         if self.layout.as_ref().is_none_or(|known| !known.has_views_of(layout)) {
             self.layout = Some(Arc::clone(layout));
-            self.cameras.clear();
-            self.sampled = None;
+            self.forget_cameras();
             self.behind_part = None;
         }
+    }
+
+    /// Forgets what was computed with the adaptation of the program's camera.
+    pub fn forget_cameras(&mut self) {
+        self.cameras.clear();
+        self.sampled = None;
     }
 }
 

@@ -15,7 +15,7 @@ use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::views::vertices::VertexProcessing;
 use crate::intercept::vk::swapchain::swaps;
 use crate::lock::Lock;
-use crate::rig::{Duplicate, Method, Rig};
+use crate::rig::{Camera, Duplicate, Method, Rig};
 use ash::prelude::VkResult;
 use ash::vk::{self, Handle};
 use std::sync::atomic::Ordering;
@@ -54,25 +54,32 @@ impl Swapchain {
         self.outdated.take_if(|since| since.elapsed() >= rest).is_some() || lacks_own
     }
 
-    /// Makes the correction for another rig. The program's images and recorded commands fit the
-    /// views that they have, so the rig is shown over these. Another camera, for example, needs a
-    /// new swapchain. Returns whether a new swapchain would show another picture. If planning or
-    /// making fails, nothing changes.
+    /// Shows another rig. The program's images and recorded commands fit the views that they have, so
+    /// the correction is made again over these. What the views show of the program's world is decided
+    /// when commands are submitted, so a changed camera is followed as well, unless another lens is
+    /// given. Returns whether a new swapchain would show another picture. If planning or making
+    /// fails, nothing changes.
     ///
     /// # Safety
     /// As for [`Swapchain::follow_rig`].
     unsafe fn adopt(&mut self, device: &Device, live: &Live) -> Result<bool> {
         let Some(stand_in) = &mut self.stand_in else { return Ok(false) };
-        let old = &stand_in.layout;
-        // Recorded commands contain the program's camera as the old rig changed it.
-        let same_camera = old.session.rig().camera == live.rig.camera;
+        let (old, camera) = (Arc::clone(&stand_in.layout), live.rig.camera);
+        let known = old.session.program_camera();
+        let follows = (known.lens, known.answer_wide) == (camera.lens, camera.answer_wide);
         let same_views = live.rig.has_views_of(old.session.rig());
-        let layout = if same_camera { old.over(&live.rig)? } else { None };
+        let rig = old.session.rig();
+        if follows && *rig == (Rig { camera: rig.camera, ..(*live.rig).clone() }) {
+            self.set_camera(device, camera, live.version);
+            return Ok(false);
+        }
+        let layout = if follows { old.over(&live.rig)? } else { None };
         let shown = layout.is_some();
         match layout {
             // SAFETY: as promised.
             Some(layout) => unsafe {
                 stand_in.adopt(device, Arc::new(AtlasLayout { version: live.version, ..layout }))?;
+                self.set_camera(device, camera, live.version);
             },
             // A new swapchain shows the rig only if it can be planned.
             None => drop(plan(device, &live.rig, old.window, old.read)?),
@@ -90,6 +97,13 @@ impl Swapchain {
             });
         }
         Ok(!(shown && same_views))
+    }
+
+    /// Draws by another adaptation of the program's camera from the next submission on.
+    fn set_camera(&mut self, device: &Device, camera: Camera, version: u64) {
+        self.stand_in.iter().flat_map(StandIn::sessions).for_each(|session| session.set_camera(camera));
+        device.frame.locked().forget_cameras();
+        self.shown = version;
     }
 
     /// Returns the source of the next picture of image `index`; `None` if the image is presented
@@ -305,7 +319,18 @@ unsafe fn build(
     let texel_format = TexelFormat::of(info.image_format).unwrap_or(TexelFormat::Rgba8);
     let version = corrected.map_or(0, |(live, _)| live.version);
     let (extent, publishing, failed) = (info.image_extent, None, false);
-    Ok(Swapchain { extent, texel_format, supported, real, stand_in, publishing, failed, version, outdated: None })
+    Ok(Swapchain {
+        extent,
+        texel_format,
+        supported,
+        real,
+        stand_in,
+        publishing,
+        failed,
+        version,
+        shown: version,
+        outdated: None,
+    })
 }
 
 /// # Safety

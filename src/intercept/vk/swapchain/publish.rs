@@ -48,8 +48,7 @@ pub unsafe fn frame(
     let Some(publishing) = &mut managed.publishing else { return Ok(None) };
     publishing.publish(&device.driver, false);
     let beside = managed.stand_in.as_ref().map_or(&[][..], |stand_in| &stand_in.beside_images);
-    let version = managed.stand_in.as_ref().map_or(0, |stand_in| stand_in.layout.version);
-    let stamp = publishing::stamp(number, version);
+    let stamp = publishing::stamp(number, managed.shown);
     // SAFETY: as promised.
     let copied = unsafe { publishing.read(&device.driver, queue, (index, image, beside), waits, stamp) };
     let copied = copied.map_err(refused)?;

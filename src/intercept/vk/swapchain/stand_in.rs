@@ -9,6 +9,7 @@ use crate::intercept::vk::state::driver::own_image::{COPIED_FROM, COPIED_TO, Own
 use crate::intercept::vk::state::swapchains::{PictureSource, Slot, StandIn};
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::views::view_target::ViewTarget;
+use crate::runtime::session::Session;
 use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -219,6 +220,11 @@ impl StandIn {
         // Commands are recorded again with the next pool.
         (self.backend, self.layout, self.family, self.uploaded) = (backend, layout, u32::MAX, false);
         Ok(())
+    }
+
+    /// Sessions of the views that draws are issued to, and of the correction.
+    pub fn sessions(&self) -> impl Iterator<Item = &Session> {
+        self.slots.iter().map(|slot| &*slot.target.layout.session).chain([&*self.layout.session])
     }
 
     /// Returns the index among [`StandIn::sources`] that the correction of image `index` reads.

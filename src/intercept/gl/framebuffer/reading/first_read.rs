@@ -21,7 +21,7 @@ use glam::DMat3;
 pub fn fill_primary(ctx: &mut Context) {
     let Some(target) = ctx.drawable.take_target() else { return };
     ctx.driver.take_errors();
-    let camera = &target.session.rig().camera;
+    let camera = &target.session.program_camera();
     let directions = own_directions(&ctx.frame, camera);
     if directions.is_none() {
         first_read_color::fill_flat(ctx, &target);
@@ -95,9 +95,9 @@ pub(in crate::intercept::gl) fn own_picture(frame: &Frame, session: &Session, di
     let mut views = plan.views.clone();
     if let (Some(panel), Some(lens)) = (&mut views.panel, frame.lens()) {
         // In the program's own picture the panel fills the whole window.
-        let camera = &session.rig().camera;
+        let camera = session.program_camera();
         let own = lens.frustum();
-        panel.rotation = crate::runtime::session::camera_rotation(camera).transpose();
+        panel.rotation = crate::runtime::session::camera_rotation(&camera).transpose();
         panel.frustum = Frustum {
             left: camera.zoom * own.left,
             right: camera.zoom * own.right,

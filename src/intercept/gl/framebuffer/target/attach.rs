@@ -11,12 +11,10 @@ use crate::intercept::gl::per_view::panel::clear_transparent;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::drawable::window::{Look, Window};
 use crate::intercept::gl::state::drawable::window_config::Config;
-use crate::intercept::gl::state::frame::Frame;
 use crate::intercept::process::live::{self, Live};
 use crate::intercept::process::{log, settings};
 use crate::rig::Rig;
 use crate::runtime::session::{Extras, Session};
-use std::sync::Arc;
 
 /// Replaces the window's framebuffer by the stand-in. If that fails, the program keeps the
 /// window's.
@@ -40,24 +38,13 @@ fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings,
 
 /// Uses the present rig in the same stand-in if nothing but the adaptation of the program's camera
 /// is new, which has no effect on the views. Returns false if more is new.
-fn follows_camera(frame: &mut Frame, target: &mut DefaultFramebuffer, live: Live) -> bool {
+fn follows_camera(target: &mut DefaultFramebuffer, live: Live) -> bool {
     if *target.rig != (Rig { camera: target.rig.camera, ..(*live.rig).clone() }) {
         return false;
     }
-    // Publishing holds a session only to recognise it.
-    let held = frame.publishing_mut().map(|publishing| &mut publishing.session);
-    let held = held.filter(|held| held.as_ref().is_some_and(|session| Arc::ptr_eq(session, &target.session)));
-    let mut unused = None;
-    let held = held.unwrap_or(&mut unused);
-    let publishes = held.take().is_some();
-    let session = Arc::get_mut(&mut target.session);
-    let is_only = session.is_some();
-    if let Some(session) = session {
-        session.set_camera(live.rig.camera);
-        (target.rig, target.version) = (live.rig, live.version);
-    }
-    *held = publishes.then(|| target.session.clone());
-    is_only
+    target.session.set_camera(live.rig.camera);
+    (target.rig, target.version) = (live.rig, live.version);
+    true
 }
 
 /// Replaces the window's framebuffer by a new stand-in, and clears it.
@@ -95,7 +82,7 @@ pub fn follow_rig(ctx: &mut Context) {
     let Some(mut old) = ctx.drawable.take_target() else { return };
     ctx.driver.take_errors();
     let is_new = old.version != version;
-    if is_new && old.next.is_none() && live::rig().is_some_and(|live| follows_camera(&mut ctx.frame, &mut old, live)) {
+    if is_new && old.next.is_none() && live::rig().is_some_and(|live| follows_camera(&mut old, live)) {
         view_copies::clear(ctx);
         ctx.drawable.put_target(old);
         start_again(ctx);

@@ -23,7 +23,8 @@ impl DefaultFramebuffer {
     /// Shows another rig by a rough correction, which differs in more than the adaptation of the
     /// program's camera. Returns false if that is not possible; then nothing has changed.
     pub fn show_roughly(&mut self, gl: &Gl, live: &Live) -> bool {
-        let is_served = settings::settings().is_some_and(is_watched) && live.rig.camera == self.session.rig().camera;
+        let is_served =
+            settings::settings().is_some_and(is_watched) && live.rig.camera == self.session.program_camera();
         let Some(plan) = is_served.then(|| self.session.rough(&live.rig)).flatten() else { return false };
         let prepared = self.backend.prepare_rough(gl, &plan, self.shows_panel());
         if let Err(error) = prepared.and_then(|()| self.prepare_outputs(gl)) {

@@ -102,6 +102,8 @@ pub struct Swapchain {
     pub(in crate::intercept::vk) failed: bool,
     /// Version of the rig's file that it uses.
     pub(in crate::intercept::vk) version: u64,
+    /// Version of the rig's file that its pictures show.
+    pub(in crate::intercept::vk) shown: u64,
     /// Time of the last change of the rig that only a new swapchain shows as it is planned; `None`:
     /// there is none, or the program was asked for one since.
     pub(in crate::intercept::vk) outdated: Option<Instant>,
