@@ -333,6 +333,31 @@ fn deep_pictures_are_for_readers_that_ask_for_them() {
 }
 
 #[test]
+fn a_driver_may_write_a_whole_picture() {
+    let path = path("memory");
+    let sizes = [(3, 5), (4, 2)];
+    let mut writer = Writer::create(&path, &shapes(&sizes), 3, false).expect("a ring");
+    let mut reader = Reader::open(&path).expect("a reader");
+    assert!(writer.has_readers());
+    writer.publish(Stamp { index: 1, ..Stamp::default() }, |pictures| {
+        for (number, size) in sizes.into_iter().enumerate() {
+            let (to, room) = pictures.memory(number).expect("a picture");
+            let pixels = pixels(1, number, size);
+            assert!(room >= pixels.len());
+            // SAFETY: the picture has room for so many bytes.
+            unsafe { std::ptr::copy_nonoverlapping(pixels.as_ptr(), to, pixels.len()) };
+        }
+        assert!(pictures.memory(2).is_none());
+    });
+    let mut frame = Frame::default();
+    assert_eq!(reader.next(SOON, &mut frame).expect("a ring"), Next::Frame);
+    assert!(is_right(&frame));
+    drop(reader);
+    assert!(!writer.has_readers());
+    writer.end();
+}
+
+#[test]
 fn frames_are_awaited_while_a_living_reader_has_read_all() {
     let path = path("awaited");
     let mut writer = Writer::create(&path, &shapes(&[(4, 4)]), 3, false).expect("a ring");

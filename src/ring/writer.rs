@@ -297,6 +297,11 @@ impl Writer {
         (readers.filter(|reader| self.memory.is_locked(reader.lock_byte())).count(), self.lost)
     }
 
+    /// True if a reader uses the file, or did until it died.
+    pub fn has_readers(&self) -> bool {
+        (0..READERS).any(|number| ReaderWords::new(&self.memory, number).is_active().load(Ordering::Acquire) != FREE)
+    }
+
     /// True if a reader has read all frames that were published.
     pub fn is_awaited(&self) -> bool {
         (0..READERS).map(|number| ReaderWords::new(&self.memory, number)).any(|reader| {
@@ -344,6 +349,15 @@ pub struct Pictures<'a> {
 }
 
 impl Pictures<'_> {
+    /// First byte and number of bytes of picture `number`, for a driver that writes all of its pixels, alpha too. The
+    /// memory stays while this lives.
+    pub fn memory(&mut self, number: usize) -> Option<(*mut u8, usize)> {
+        let (shape, pixels) = (self.shapes.get(number)?, self.pixels.get(number)?);
+        let words = layout::pixel_words(shape.size, shape.format)?;
+        let words = self.memory.words().get(self.slot + pixels..)?.get(..words)?;
+        Some((words.as_ptr().cast_mut().cast(), size_of_val(words)))
+    }
+
     /// Writes row `y`, counted from the top, of picture `number`, in its format. Alpha is written as
     /// the largest value. Rows that are not written stay as they were in an earlier frame. Pixels
     /// outside the picture are left out.

@@ -16,6 +16,7 @@ tests! {
     a_domemaster_beside_the_window_is_as_one_in_it,
     vulkan_publishes_the_same,
     a_reader_in_c_gets_the_same,
+    frames_that_nobody_reads_are_left_out,
     a_reader_that_is_killed_does_not_hold_a_program_that_waits,
     pictures_of_16_bits_have_more_levels,
     vulkan_publishes_16_bits,
@@ -67,6 +68,51 @@ fn recorded(run: &Run<'_>, start: impl Fn(&Run<'_>) -> Option<Finished>, options
         assert!(!file.exists(), "the file is removed");
         Some((finished, seen))
     })
+}
+
+/// A live program publishes ten frames a second for later readers, and each frame while there is one.
+fn frames_that_nobody_reads_are_left_out() {
+    const FRAMES: usize = 600;
+    let file = scratch("unread").join("ring");
+    let publish = format!("--publish={}", file.display());
+    let options = [publish.as_str()];
+    let run = Run { frames: FRAMES, cupola_frames: FRAMES, size: (96, 96), cupola: &options, ..Run::new("by_time") };
+    let under = |run: &Run<'_>| run.under("identity");
+    let under_vulkan = |run: &Run<'_>| run.vulkan_under("identity");
+    let of_vulkan = [publish.as_str(), "--frames", "600"];
+    let usual: &dyn Fn(&Run<'_>) -> Option<Finished> = &under;
+    for (program, under, cupola) in [("by_time", usual, &options[..]), ("vk_cube", &under_vulkan, &of_vulkan)] {
+        let started = std::time::Instant::now();
+        let Some(finished) = under(&Run { program, cupola, ..run.clone() }) else { return };
+        let published = finished.expect_success().statistics()["published"]["frames"].as_u64().expect("a number");
+        let most = started.elapsed().as_millis() as u64 / 100 + 2;
+        assert!((1..=most).contains(&published), "{program}: {published} of {FRAMES} frames, at most {most}");
+    }
+    let has_ended = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let reading = scope.spawn(|| {
+            let mut reader = loop {
+                match Reader::open(&file) {
+                    Ok(reader) => break reader,
+                    Err(_) if has_ended.load(Relaxed) => return Vec::new(),
+                    Err(_) => std::thread::sleep(Duration::from_millis(1)),
+                }
+            };
+            let (mut frame, mut seen) = (Frame::default(), Vec::new());
+            while reader.next(LIMIT, &mut frame).expect("frames") == Next::Frame {
+                seen.push((frame.number, frame.index));
+            }
+            seen
+        });
+        let finished = under(&run);
+        has_ended.store(true, Relaxed);
+        let seen = reading.join().expect("a reader");
+        if finished.is_some() {
+            assert!(seen.len() > 50, "{} frames", seen.len());
+            let step = |pair: &[(u64, u64)]| pair[1].0 - pair[0].0 == pair[1].1 - pair[0].1;
+            assert!(seen.windows(2).all(step), "frames are missing: {seen:?}");
+        }
+    });
 }
 
 /// Sends a signal to a process.

@@ -17,6 +17,10 @@ const SLOTS: usize = 4;
 /// counts as gone.
 const GONE: u32 = 30;
 
+/// Least time between frames that nobody reads, in nanoseconds: so a later reader finds a newest frame, and they cost
+/// little.
+const UNREAD: u64 = 100_000_000;
+
 struct Publishing {
     writer: Option<Writer>,
     /// True if nothing is published any more.
@@ -95,8 +99,13 @@ pub fn wants(window: u64, version: u64) -> bool {
     }
     let (now, least) = (crate::system::monotonic(), settings.publish_interval);
     // The last frame before a program's time is held is published, whoever has read the others.
-    let awaited = clock::time().is_some() || publishing.writer.as_ref().is_none_or(Writer::is_awaited);
-    least == 0 || publishing.pace.takes(now, least, version, awaited)
+    let is_held = clock::time().is_some();
+    let awaited = is_held || publishing.writer.as_ref().is_none_or(Writer::is_awaited);
+    if least > 0 {
+        return publishing.pace.takes(now, least, version, awaited);
+    }
+    let all = is_held || settings.publish_waits || publishing.writer.as_ref().is_some_and(Writer::has_readers);
+    publishing.pace.takes(now, if all { 0 } else { UNREAD }, version, true)
 }
 
 /// True if the program waits for the readers of its frames.

@@ -5,7 +5,8 @@ use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::context::read_pixels::while_reading;
-use crate::intercept::gl::state::frame::publishing::Publishing;
+use crate::intercept::gl::state::driver::profile::reads_to_memory;
+use crate::intercept::gl::state::frame::publishing::{Publishing, Way};
 use crate::intercept::process::publishing;
 use crate::intercept::process::{log, settings};
 use crate::ring::Format;
@@ -72,12 +73,19 @@ fn fitting(ctx: &mut Context) -> Option<Box<Publishing>> {
     }
     let profile = &ctx.driver.profile;
     let later = profile.version >= if profile.es { 30 } else { 32 };
+    // Corrected pictures outside of the window are opaque, and so is a window without alpha.
+    let is_opaque = ctx.drawable.target().is_some_and(|target| target.config().alpha_bits == 0);
+    let way = match later {
+        _ if is_opaque && reads_to_memory(gl, profile) => Way::Direct,
+        true => Way::Buffers,
+        false => Way::Copied,
+    };
     // OpenGL ES has no such canvas, and reads no such pixels.
     let is_deep = publishing::is_deep() && !profile.es;
     if publishing::is_deep() && profile.es {
         log::once("the published pictures of OpenGL ES have 8 bits for each colour");
     }
-    let format = (later, if is_deep { Format::Rgba16 } else { Format::Rgba8 });
+    let format = (way, if is_deep { Format::Rgba16 } else { Format::Rgba8 });
     let new = match session {
         None => {
             let whole = ("window".to_owned(), LowerLeftRect::of_size(window));

@@ -101,3 +101,13 @@ fn has_extension(gl: &Gl, name: &str) -> bool {
 pub fn is_endless(gl: &Gl) -> bool {
     gl.text(api::GL_RENDERER).starts_with("llvmpipe")
 }
+
+/// True if the driver draws on the processor and can write rows from the top: it reads pixels with one copy to memory,
+/// and a pixel buffer would only add a second one.
+pub fn reads_to_memory(gl: &Gl, profile: &Profile) -> bool {
+    let renderer = gl.text(api::GL_RENDERER);
+    !profile.es
+        && profile.version >= 30
+        && ["llvmpipe", "softpipe"].iter().any(|name| renderer.starts_with(name))
+        && has_extension(gl, "GL_MESA_pack_invert")
+}

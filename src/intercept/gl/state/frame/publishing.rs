@@ -52,19 +52,31 @@ pub struct Publishing {
     oldest: usize,
     /// Memory for the pictures, if the context has no buffers and fences.
     memory: Option<Vec<u8>>,
+    /// True if the driver writes to the memory of the readers.
+    is_direct: bool,
+}
+
+/// How pixels are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// To memory, and from there to that of the readers.
+    Copied,
+    /// To buffers, which the device fills meanwhile.
+    Buffers,
+    /// To the memory of the readers. Alpha must have the largest value.
+    Direct,
 }
 
 impl Publishing {
     /// Returns the source of a window's pictures. `pictures`: name and rectangle of each picture in
     /// the window. `beside`: name, index in the plan, and size of each picture that is drawn
-    /// outside the window. `later`: the context has buffers and fences. `format`: of the published
-    /// pixels.
+    /// outside the window. `way`: how they are read. `format`: of the published pixels.
     pub fn new(
         gl: &Gl,
         (session, window): (Option<Arc<Session>>, (u32, u32)),
         pictures: impl Iterator<Item = (String, LowerLeftRect)>,
         beside: impl Iterator<Item = (String, usize, (u32, u32))>,
-        (later, format): (bool, Format),
+        (way, format): (Way, Format),
     ) -> Self {
         let mut new = Self {
             session,
@@ -81,6 +93,7 @@ impl Publishing {
             next: 0,
             oldest: 0,
             memory: None,
+            is_direct: way == Way::Direct,
         };
         for (name, viewport) in pictures {
             new.add(name, Target { framebuffer: 0, viewport });
@@ -96,10 +109,10 @@ impl Publishing {
             new.canvases.push(canvas);
             new.add(name, target);
         }
-        if later {
-            new.make_buffers(gl);
-        } else {
-            new.memory = Some(vec![0; new.bytes]);
+        match way {
+            Way::Copied => new.memory = Some(vec![0; new.bytes]),
+            Way::Buffers => new.make_buffers(gl),
+            Way::Direct => {}
         }
         new
     }
@@ -135,6 +148,10 @@ impl Publishing {
     /// storage must be without gaps. The bindings of pixel buffer and read framebuffer are not put
     /// back.
     pub fn read(&mut self, gl: &Gl, stamp: Stamp) {
+        if self.is_direct {
+            publishing::publish(&self.shapes, stamp, |pictures| self.read_directly(gl, pictures));
+            return;
+        }
         if let Some(mut memory) = self.memory.take() {
             self.read_to(gl, 0, memory.as_mut_ptr().cast());
             publishing::publish(&self.shapes, stamp, |pictures| self.write(pictures, &memory));
@@ -153,18 +170,43 @@ impl Publishing {
         self.next += 1;
     }
 
+    /// Reads into the memory of the readers, the highest row first.
+    fn read_directly(&self, gl: &Gl, pictures: &mut Pictures<'_>) {
+        let mut inverted = 0;
+        // SAFETY: a setting of the extension, which the driver has, and which is put back.
+        unsafe {
+            gl.get_integerv(api::GL_PACK_INVERT_MESA, &mut inverted);
+            gl.pixel_storei(api::GL_PACK_INVERT_MESA, 1);
+            gl.bind_buffer(api::GL_PIXEL_PACK_BUFFER, 0);
+        }
+        for (number, place) in self.places.iter().enumerate() {
+            let LowerLeftRect { width, height, .. } = place.viewport;
+            let bytes = width as usize * height as usize * self.format.pixel_bytes();
+            if let Some((to, _)) = pictures.memory(number).filter(|(_, room)| *room >= bytes) {
+                self.read_place(gl, place, to.cast());
+            }
+        }
+        // SAFETY: as above.
+        unsafe { gl.pixel_storei(api::GL_PACK_INVERT_MESA, inverted) };
+    }
+
     /// Reads into a buffer or, if `buffer` is 0, into memory from `to` on.
     fn read_to(&self, gl: &Gl, buffer: u32, to: *mut c_void) {
+        // SAFETY: a buffer of Cupola, or none.
+        unsafe { gl.bind_buffer(api::GL_PIXEL_PACK_BUFFER, buffer) };
+        for (place, offset) in self.places.iter().zip(&self.offsets) {
+            self.read_place(gl, place, to.wrapping_byte_add(*offset));
+        }
+    }
+
+    /// Reads a picture to `to`, which counts from the bound buffer's start, if one is bound. It must have room for it.
+    fn read_place(&self, gl: &Gl, place: &Target, to: *mut c_void) {
         let kind = if self.format == Format::Rgba16 { api::GL_UNSIGNED_SHORT } else { api::GL_UNSIGNED_BYTE };
-        // SAFETY: the buffer, or the memory, has room for all pictures.
+        let LowerLeftRect { x, y, width, height } = place.viewport;
+        // SAFETY: the buffer, or the memory, has room for the picture.
         unsafe {
-            gl.bind_buffer(api::GL_PIXEL_PACK_BUFFER, buffer);
-            for (place, offset) in self.places.iter().zip(&self.offsets) {
-                gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, place.framebuffer);
-                let LowerLeftRect { x, y, width, height } = place.viewport;
-                let at = to.wrapping_byte_add(*offset);
-                gl.read_pixels(x, y, width, height, api::GL_RGBA, kind, at);
-            }
+            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, place.framebuffer);
+            gl.read_pixels(x, y, width, height, api::GL_RGBA, kind, to);
         }
     }
 
