@@ -65,6 +65,11 @@ pub struct Arrival {
     pub size: (u32, u32),
 }
 
+/// Nanoseconds of a length, as far as they fit.
+fn nanoseconds(length: Duration) -> u64 {
+    u64::try_from(length.as_nanos()).unwrap_or(u64::MAX)
+}
+
 /// A page in shared memory.
 pub struct Page(SharedMemory);
 
@@ -77,9 +82,8 @@ impl Page {
     pub fn create(path: &Path, limit: Duration, length: Duration) -> io::Result<Self> {
         let page = Self(SharedMemory::create(path, BYTES)?);
         page.0.lock(word::COMMAND_LOCK * 8);
-        let nanoseconds = |time: Duration| u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
         page.set(word::LIMIT, nanoseconds(limit));
-        page.set(word::LENGTH, nanoseconds(length));
+        page.set_length(length);
         page.set(word::VERSION, VERSION);
         page.set(word::MAGIC, MAGIC);
         Ok(page)
@@ -117,6 +121,11 @@ impl Page {
     /// Time from one frame to the next while the program goes on by itself.
     pub fn length(&self) -> Duration {
         Duration::from_nanos(self.get(word::LENGTH))
+    }
+
+    /// Sets the time of [`Page::length`]. The program does not run yet.
+    pub fn set_length(&self, length: Duration) {
+        self.set(word::LENGTH, nanoseconds(length));
     }
 
     /// Records that the program that will arrive here is this process.

@@ -40,6 +40,7 @@ mod matrix_forms;
 mod mirrors;
 mod ndi;
 mod nodes;
+mod nodes_settings;
 mod offscreen;
 mod outlines;
 mod photographed;
@@ -101,6 +102,7 @@ harness::tests! {
     mirrors,
     ndi,
     nodes,
+    nodes_settings,
     offscreen,
     outlines,
     photographed,

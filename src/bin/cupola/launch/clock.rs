@@ -52,6 +52,22 @@ impl Options {
         self.clock_start == Some(Start::Now)
     }
 
+    /// Seed, and start of the dates in seconds since 1970; 0: the usual one.
+    pub fn numbers(&self) -> (u64, u64) {
+        let start = match self.clock_start {
+            Some(Start::At(seconds)) => seconds,
+            Some(Start::Now) | None => 0,
+        };
+        (self.seed.unwrap_or(0), start)
+    }
+
+    /// Sets the rate, and the numbers of [`Options::numbers`]. `None`: the program has its own clock.
+    pub fn set(&mut self, rate: Option<Rate>, (seed, start): (u64, u64)) {
+        self.clock = rate;
+        self.seed = rate.map(|_| seed);
+        self.clock_start = rate.filter(|_| start > 0).map(|_| Start::At(start));
+    }
+
     /// Page by which other processes hold the program's time; `None` without a clock.
     pub fn held(&self) -> Result<Option<Held>, Failure> {
         let Some(rate) = self.clock else { return Ok(None) };

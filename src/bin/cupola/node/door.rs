@@ -64,6 +64,11 @@ impl Door {
         self.page.limit()
     }
 
+    /// Sets the length of a frame: [`Page::set_length`].
+    pub fn set_length(&self, length: Duration) {
+        self.page.set_length(length);
+    }
+
     /// Newest arrival of the program: [`Page::arrival`].
     pub fn arrival(&self, known: u64, limit: Duration) -> Option<Arrival> {
         self.page.arrival(known, limit)

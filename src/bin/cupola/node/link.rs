@@ -1,5 +1,6 @@
 //! Messages between the nodes, and their transport.
 
+use super::agreed::Agreed;
 use super::input::Event;
 use cupola::nodes::Arrival;
 
@@ -22,6 +23,8 @@ pub enum Message {
     Over { is_clean: bool },
     /// From node 0, before the release of this frame: what reaches the program at its end.
     Input { frame: u64, event: Event },
+    /// From node 0, first of all: the settings of all programs.
+    Settings(Agreed),
 }
 
 impl Message {
@@ -39,6 +42,10 @@ impl Message {
                 let [kind, first, second] = event.words();
                 [6, frame, kind, first, second, 0]
             }
+            Self::Settings(settings) => {
+                let [rate, seed, start, size] = settings.words();
+                [7, rate, seed, start, size, 0]
+            }
         }
     }
 
@@ -52,6 +59,7 @@ impl Message {
             4 => Self::End,
             5 => Self::Over { is_clean: frame != 0 },
             6 => Self::Input { frame, event: Event::of([digest, time, went])? },
+            7 => Self::Settings(Agreed::of([frame, digest, time, went])),
             _ => return None,
         })
     }
@@ -84,7 +92,8 @@ mod tests {
         let release = Message::Release { frame: 7, time: 8 };
         let input = Message::Input { frame: 9, event: Event::Shift { x: -1, y: 2 } };
         let gone = Message::Gone { well: true };
-        for message in [Message::Arrived(arrival), gone, release, Message::End, over, input] {
+        let settings = Message::Settings(Agreed::of([60 << 32 | 1, 7, 8, 9 << 32 | 10]));
+        for message in [Message::Arrived(arrival), gone, release, Message::End, over, input, settings] {
             assert_eq!(Message::of(message.words()), Some(message));
         }
         assert_eq!(Message::of([9, 0, 0, 0, 0, 0]), None);

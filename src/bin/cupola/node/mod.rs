@@ -5,6 +5,7 @@
 //! With `--mirror` only node 0 runs the program, and `mirror` shows its pictures on the others.
 //! Messages (`link`) and pictures travel through `mpi` or, on one machine, through `local`.
 
+mod agreed;
 mod door;
 pub mod head;
 pub mod input;
@@ -21,6 +22,7 @@ use crate::failure::Failure;
 use crate::launch::clock::Rate;
 use crate::launch::loader::Scratch;
 use crate::run::{self, Options};
+use agreed::Agreed;
 use cupola::nodes::Page;
 use cupola::rig::{Node, Place, Rig};
 use cupola::system::{self, process};
@@ -176,7 +178,7 @@ fn show(
         std::fs::create_dir_all(folder)
             .map_err(|error| Failure::usage(format!("{} cannot be created: {error}", folder.display())))?;
     }
-    let length = Duration::from_secs_f64(rate.seconds as f64 / rate.frames as f64);
+    let length = length_of(rate);
     let limit = Duration::from_millis(time_out.into());
     let path = page_path();
     options.node = Some((format!("{}/{}", place.number, place.count), path.clone()));
@@ -185,6 +187,13 @@ fn show(
     options.without_input = input.as_deref().is_some_and(input::is_standard);
     let source = input.as_deref().filter(|_| place.number == 0).map(input::open).transpose()?;
     let sidecar = Sidecar::start(place, &path, limit, length, paced, connect)?;
+    let own = Agreed::of_options(&options);
+    let settings = sidecar.agree(own)?;
+    if let Some(words) = settings.differences(&own) {
+        sidecar::say(&format!("node {} takes the settings of node 0: {words}", place.number));
+    }
+    settings.apply(&mut options);
+    sidecar.set_length(options.clock.clock.map_or(length, length_of));
     if input.is_some() {
         sidecar.take_input(source);
     }
@@ -192,6 +201,11 @@ fn show(
     let ended = code.as_ref().is_ok_and(|code| *code == ExitCode::SUCCESS);
     sidecar.finish(ended, summary.as_deref());
     code
+}
+
+/// Length of a frame.
+fn length_of(rate: Rate) -> Duration {
+    Duration::from_secs_f64(rate.seconds as f64 / rate.frames as f64)
 }
 
 /// Path of this node's page. Pages of commands that were killed are removed.

@@ -1,6 +1,7 @@
 //! The part beside the program of a node: it reports the program's progress to node 0, and releases
 //! its frames.
 
+use super::agreed::Agreed;
 use super::door::Door;
 use super::head::{Action, Head};
 use super::input;
@@ -45,6 +46,8 @@ struct Shared {
     over: AtomicU64,
     /// Time of the last message of another node.
     heard: AtomicU64,
+    /// Settings of node 0.
+    settings: OnceLock<Agreed>,
 }
 
 /// Prints a message for the user. The terminal may be gone, if the process that started this
@@ -97,6 +100,7 @@ impl Sidecar {
             has_lost: AtomicBool::new(false),
             over: AtomicU64::new(0),
             heard: AtomicU64::new(system::monotonic()),
+            settings: OnceLock::new(),
         });
         let receiver = Arc::clone(&shared);
         let link = connect(Arc::new(move |from, message| receiver.receive(from, message)));
@@ -110,6 +114,33 @@ impl Sidecar {
             std::thread::spawn(move || ticker.tick());
         }
         Ok(Self(shared))
+    }
+
+    /// Returns the settings of node 0, which it sends to the others. They wait for them, before they start their
+    /// programs. `own`: those of this node.
+    pub fn agree(&self, own: Agreed) -> Result<Agreed, Failure> {
+        let shared = &*self.0;
+        if shared.head.is_some() {
+            shared.send_all(&[Message::Settings(own)]);
+            return Ok(own);
+        }
+        loop {
+            // The message may have come before the connection was lost.
+            let is_lost = shared.has_lost.load(Ordering::SeqCst) || shared.silence() > SILENCE;
+            if let Some(settings) = shared.settings.get() {
+                return Ok(*settings);
+            }
+            if is_lost {
+                shared.remove_page();
+                return Err(Failure::new(format!("node {}: node 0 does not send its settings", shared.place.number)));
+            }
+            std::thread::sleep(LOOK);
+        }
+    }
+
+    /// Sets the length of a frame of the program, before it is started.
+    pub fn set_length(&self, length: Duration) {
+        self.0.door.set_length(length);
     }
 
     /// Gives the programs of all nodes the input that comes from `source`, which node 0 has.
@@ -259,6 +290,8 @@ impl Shared {
             }
             (Some(Message::Input { frame, event }), None) => self.door.add(frame, event),
             (Some(Message::Release { frame, time }), None) => self.door.open(frame, time),
+            // They come once.
+            (Some(Message::Settings(settings)), None) => drop(self.settings.set(settings)),
             (Some(Message::End), None) => process::stop_foreground(),
             (Some(Message::Over { is_clean }), None) => {
                 self.over.store(1 + u64::from(is_clean), Ordering::SeqCst);
