@@ -19,6 +19,7 @@ tests! {
     shaders_of_draws_write_the_same_on_all_vulkan_nodes,
     a_show_that_the_user_ends_has_not_failed,
     stopped_and_killed_nodes_do_not_stop_the_others,
+    the_others_wait_no_longer_than_the_time_out,
 }
 
 /// A time-out that no node exceeds on a busy machine.
@@ -401,4 +402,27 @@ fn stopped_and_killed_nodes_do_not_stop_the_others() {
     ] {
         assert_eq!(words.matches(said).count(), 1, "{said}:\n{words}");
     }
+}
+
+/// The time-out is 300 ms, and a frame takes 1/60 s.
+fn the_others_wait_no_longer_than_the_time_out() {
+    let Some(show) = Show::start(2, &[], "by_time", &[]) else { return };
+    let mut pauses = Vec::new();
+    // Other programs of this machine may disturb an attempt.
+    for _ in 0..5 {
+        kill("STOP", show.nodes[1].sidecar);
+        kill("STOP", show.nodes[1].program);
+        pauses.push(show.longest_pause(0));
+        kill("CONT", show.nodes[1].program);
+        kill("CONT", show.nodes[1].sidecar);
+        until("it is in step", || (show.nodes[0].frame().abs_diff(show.nodes[1].frame()) <= 1).then_some(()));
+        // They wait for it again.
+        show.goes_on(0, 20);
+        // Longer than usual frames, so that they have waited.
+        let pause = pauses.last().expect("a pause");
+        if (100..=317).contains(&pause.as_millis()) {
+            return;
+        }
+    }
+    panic!("longest pauses of node 0: {pauses:?}");
 }

@@ -18,6 +18,7 @@ tests! {
     a_recording_without_flat_drawing,
     a_film_has_each_frame_in_order,
     a_terminal_shows_the_progress,
+    a_full_disk_leaves_whole_files,
 }
 
 const FRAMES: usize = 6;
@@ -403,4 +404,39 @@ fn a_terminal_shows_the_progress() {
     };
     let finished = finished.expect_success();
     assert!(!finished.words().contains("to go:") && !finished.messages().contains("to go:"), "{}", finished.words());
+}
+
+/// A file system of 64 KiB has no room for all files.
+fn a_full_disk_leaves_whole_files() {
+    let mounted = "mount -t tmpfs -o size=64k tmpfs \"$0\"";
+    let shell = |text: &str, folder: &Path| {
+        let mut command = Command::new("unshare");
+        command.args(["--map-root-user", "--mount", "sh", "-c", text]).arg(folder);
+        command
+    };
+    let folder = scratch("full");
+    let (full, kept, whole) = (folder.join("full"), folder.join("kept"), folder.join("whole"));
+    std::fs::create_dir_all(&full).expect("a folder");
+    if !shell(mounted, &full).status().is_ok_and(|status| status.success()) {
+        return crate::harness::missing(format_args!("no file system can be mounted here"));
+    }
+    let recorded = |mut command: Command, out: &Path| {
+        let run = Run { frames: 0, size: (96, 96), ..Run::new("by_time") };
+        command.env("CUPOLA_LIBRARY", library()).args(["record", "--rig", "fisheye", "--frames", "40", "--out"]);
+        let place = display::place();
+        command.arg(out).arg("--").arg(built().join(run.program)).args(run.arguments(&place));
+        Finished::of(command, run.program, "record")
+    };
+    let Some(finished) = recorded(Command::new(env!("CARGO_BIN_EXE_cupola")), &whole) else { return };
+    finished.expect_success();
+    let text = format!("{mounted} && (\"$@\"; code=$?; cp -r \"$0\" \"{}\"; exit $code)", kept.display());
+    let mut command = shell(&text, &full);
+    command.arg(env!("CARGO_BIN_EXE_cupola"));
+    let Some(finished) = recorded(command, &full) else { return };
+    assert!(!finished.succeeded() && finished.words().contains("No space left on device"), "{}", finished.words());
+    let (kept, whole) = (files(&kept), files(&whole));
+    note(format_args!("{} of {} files", kept.len(), whole.len()));
+    let pictures = kept.iter().filter(|(name, _)| name.ends_with(".png"));
+    assert!((1..40).contains(&pictures.clone().count()), "{:?}", kept.keys());
+    assert!(pictures.clone().all(|(name, bytes)| whole.get(name) == Some(bytes)), "a file is not whole");
 }
