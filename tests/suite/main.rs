@@ -7,6 +7,7 @@
 // A test that is in no list is dead code.
 #![deny(dead_code)]
 
+mod backdrops;
 mod behaviour;
 mod blending;
 mod cache;
@@ -74,6 +75,7 @@ mod windows;
 
 harness::tests! {
     ; modules
+    backdrops,
     behaviour,
     blending,
     cache,

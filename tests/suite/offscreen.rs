@@ -1,13 +1,13 @@
 //! Programs that draw their scene off screen: each view gets a copy of the picture.
 
 use crate::compare::{
-    BORDERS, Limits, Shown, beyond_neighbours, compare, compare_with, expect_alike, expect_good, expect_identical,
+    BORDERS, Limits, Shown, beyond_neighbours, compare, compare_with, expect_alike, expect_good,
 };
 use crate::dialects::{camera_of, fisheye, identity, plain, planetarium, shown_by_fisheye, shown_by_window};
 use crate::harness::tests;
 use crate::picture::Picture;
 use crate::programs::{Finished, Run, scratch};
-use crate::reference::{Fisheye, Vector, cube_colour, cube_face};
+use crate::reference::{Fisheye, cube_colour, cube_face};
 
 tests! {
     a_program_with_its_own_fbo,
@@ -31,8 +31,6 @@ tests! {
     old_and_new_entry_points,
     flat_drawing_into_a_scene,
     a_panel_of_the_first_frames_leaves_nothing_behind,
-    a_background_has_no_seams,
-    a_picture_in_a_corner_is_on_the_panel,
     a_flat_scene_is_found_wrong,
 }
 
@@ -352,98 +350,4 @@ fn flat_drawing_into_a_scene() {
     let squares = pixels().filter(|(x, y)| far(plain.at(*x, *y), expected.at(*x, *y))).count();
     assert!(squares > 200, "{squares} pixels are of the squares");
     assert!(beyond_neighbours(&expected, &plain, 1).0 > 40, "the squares have the colours of the cube");
-}
-
-/// A background whose colours depend on the place in the program's window, drawn to the image of a
-/// scene or to the window itself. Inside the program's field of view the colours are those of the window. To the sides they
-/// are those at the same elevation, and elsewhere those at the border.
-fn a_background_has_no_seams() {
-    let tangent = (0.5 * 75.0_f64.to_radians()).tan();
-    let expected = |[x, y, z]: Vector| {
-        let nearest = (-z).max(x.hypot(z) / tangent.hypot(1.0)).max(1e-4);
-        let at = [x / tangent / (-z).max(1e-4), y / tangent / nearest];
-        let [right, up] = at.map(|at| 255.0 * (0.5 + 0.5 * at.clamp(-1.0, 1.0)));
-        [right, up, 0.25 * 255.0]
-    };
-    // A place on the panel: −1…1 to the right and up.
-    let on_panel = |[x, y, z]: Vector| [x, y].map(|part| part / (-z).max(1e-3) / 30.0_f64.to_radians().tan());
-    let in_window = [("window", "0"), ("window", "4"), ("blended", "0"), ("between", "0")];
-    for (mode, samples) in [("plain", "0"), ("multisampled", "0")].into_iter().chain(in_window) {
-        // Half of the clear's colour.
-        let expected = |direction| match mode {
-            "blended" => expected(direction).map(|colour| 0.5 * colour + 0.5 * 64.0),
-            _ => expected(direction),
-        };
-        let extra = ["--mode", mode, "--samples", samples, "--shot", "shot.ppm"];
-        let run = Run { extra: &extra, frames: 6, cupola_frames: 6, ..Run::new("backdrop") };
-        let Some(under) = run.under("fisheye") else { return };
-        let picture = under.expect_success().expect_no_gl_errors().picture("capture.png");
-        let off = |x: usize, y: usize| {
-            let (x, y) = (x as f64 + 0.5, y as f64 + 0.5);
-            // Not compared: the scene, and the areas above and below where the whole width of the
-            // picture meets.
-            let direction = CIRCLE.direction(x, y);
-            if CIRCLE.inside_by(x, y) < 2.0 || direction[2] < -0.95 || direction[1].abs() > 0.98 {
-                return 0.0;
-            }
-            let found = picture.at(x as usize, y as usize).map(f64::from);
-            // The widget is at the left border of the panel.
-            let [right, up] = on_panel(direction);
-            if mode == "between" && (-1.03..-0.77).contains(&right) && up.abs() < 1.03 {
-                let inside = (-0.98..-0.82).contains(&right) && up.abs() < 0.97;
-                return if inside && (found[2] - 64.0).abs() < 60.0 { 255.0 } else { 0.0 };
-            }
-            found.iter().zip(expected(direction)).fold(0.0, |worst: f64, (a, b)| worst.max((a - b).abs()))
-        };
-        let pixels = || (0..256).flat_map(|y| (0..256).map(move |x| (x, y)));
-        let wrong = pixels().filter(|(x, y)| off(*x, *y) > 4.0).count();
-        assert!(
-            wrong == 0,
-            "{mode}, {samples} samples: {wrong} pixels are off, the worst by {}",
-            pixels().fold(0.0, |w: f64, (x, y)| w.max(off(x, y)))
-        );
-        let middle = picture.at(128, 128);
-        assert!(
-            expected([0.0, 0.0, -1.0]).iter().zip(middle).any(|(a, b)| (a - f64::from(b)).abs() > 30.0),
-            "the scene"
-        );
-        // Mesa resolves samples of a window and of a framebuffer object with other roundings.
-        if samples != "0" {
-            continue;
-        }
-        let Some(own) = run.under("identity-captured") else { return };
-        let own = own.expect_success().expect_no_gl_errors().picture("shot.ppm");
-        let Some(plain) = run.plain() else { return };
-        expect_identical(&own, &plain.expect_success().picture("shot.ppm"), mode);
-    }
-}
-
-/// A scene in a corner of the image is in the same corner of the panel. It is cut at rectangles in
-/// the views. The views are turned by 45 degrees, so that a part of the scene extends beyond the
-/// corner.
-fn a_picture_in_a_corner_is_on_the_panel() {
-    let (plain, corner) = (["--mode", "plain"], ["--mode", "corner"]);
-    let run = Run { frames: 6, cupola_frames: 6, ..Run::new("backdrop") };
-    let pictures = [&plain, &corner].map(|extra| Run { extra, ..run.clone() }.under("fisheye"));
-    let [Some(plain), Some(corner)] = pictures else { return };
-    let [plain, corner] = [plain, corner].map(|run| run.expect_success().expect_no_gl_errors().picture("capture.png"));
-    let (lens, panel) = ((0.5 * 75.0_f64.to_radians()).tan(), 30.0_f64.to_radians().tan());
-    let mut seen = 0;
-    for (x, y) in (0..256).flat_map(|y| (0..256).map(move |x| (x, y))) {
-        let [right, up, back] = CIRCLE.direction(x as f64 + 0.5, y as f64 + 0.5);
-        // Place within the lower left quarter of the panel. The panel shows the whole width of the
-        // picture.
-        let at = [right, up].map(|part| 2.0 * part / -back.min(-1e-3) / panel + 1.0);
-        let inside = at.iter().fold(0.0, |most: f64, at| most.max(at.abs()));
-        let found = corner.at(x, y).map(f64::from);
-        if inside < 0.9 {
-            let expected = cube_colour([at[0] * lens, at[1] * lens, -1.0]).map(|c| 255.0 * c);
-            let off = found.iter().zip(expected).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
-            assert!(off < 6.0, "({x}, {y}) is {found:?} instead of {expected:?}");
-            seen += 1;
-        } else if inside > 2.4 {
-            assert_eq!(corner.at(x, y), plain.at(x, y), "({x}, {y})");
-        }
-    }
-    assert!(seen > 500, "{seen} pixels");
 }

@@ -5,7 +5,9 @@
  * camera's matrix (matrices), by two triangles (chain), by place (place), by a blit (blit) or a
  * resolve (resolve), together with a smaller picture of it (half) or with its depths (depths), by a
  * compute shader (compute), while the program reads it and its depths (pick), or as one face before
- * a background that a triangle fills (background). Or with the newest ways to present (newest),
+ * a background that a triangle fills (background). Or a small cube is drawn before a background whose
+ * colours depend on the place: off screen by an input (gradient) or by FragCoord (placed), or in the
+ * window (behind). Or with the newest ways to present (newest),
  * with pipelines that are linked (library, parts, and with independent sets: independent), or with
  * a pass with a view mask (multiview). --picture writes the pixels that were read, of the window or
  * of the off-screen image. A swapchain that is suboptimal or out of date is created again. The
@@ -24,8 +26,10 @@
 #include "screen_both.h"
 #include "screen_filled.h"
 #include "screen_frag.h"
+#include "screen_gradient.h"
 #include "screen_matrices.h"
 #include "screen_place.h"
+#include "screen_placed.h"
 #include "screen_vert.h"
 
 #include <stdio.h>
@@ -33,15 +37,16 @@
 #include <string.h>
 
 typedef enum {
-    READ, PART, CLEAR, NEWEST, LIBRARY, PARTS, INDEPENDENT, MULTIVIEW,
+    READ, PART, CLEAR, BEHIND, NEWEST, LIBRARY, PARTS, INDEPENDENT, MULTIVIEW,
     /* Ways that draw off screen: */
     POST, MATRICES, CHAIN, PLACE, BLIT, RESOLVE, PASSES, HALF, DEPTHS, COMPUTE, PICK, BACKGROUND,
+    GRADIENT, PLACED,
     WAYS
 } way_kind;
-static const char *const ways[WAYS] = {"read",  "part",  "clear", "newest",  "library", "parts", "independent", "multiview", "post",
+static const char *const ways[WAYS] = {"read",  "part",  "clear", "behind", "newest",  "library", "parts", "independent", "multiview", "post",
                                        "matrices",
                                        "chain", "place", "blit",  "resolve", "passes",  "half",  "depths",    "compute",
-                                       "pick",  "background"};
+                                       "pick",  "background", "gradient", "placed"};
 
 static struct {
     direction_options direction;
@@ -68,8 +73,8 @@ static block read_back, depths_back;
 static void usage(void)
 {
     fprintf(stderr, "usage: vk_scenes " DIRECTION_USAGE " [--picture FILE.ppm]\n"
-                    "  [--way read|part|clear|newest|library|parts|independent|multiview|post|matrices|chain|place|blit|resolve|passes|half|depths|\n"
-                    "         compute|pick|background]\n");
+                    "  [--way read|part|clear|behind|newest|library|parts|independent|multiview|post|matrices|chain|place|blit|resolve|passes|half|depths|\n"
+                    "         compute|pick|background|gradient|placed]\n");
     exit(2);
 }
 
@@ -94,6 +99,11 @@ static bool off_screen(void)
     return options.way >= POST;
 }
 
+static bool has_gradient(void)
+{
+    return options.way == GRADIENT || options.way == PLACED || options.way == BEHIND;
+}
+
 /* Whether the pass that shows the scene samples another image, too. */
 static bool both(void)
 {
@@ -109,6 +119,11 @@ static VkSampleCountFlagBits count(void)
 static VkFormat scene_format(void)
 {
     return options.way == COMPUTE ? VK_FORMAT_R8G8B8A8_UNORM : w.format;
+}
+
+static bool has_background(void)
+{
+    return options.way == BACKGROUND || has_gradient();
 }
 
 static void make_pipelines(void)
@@ -133,11 +148,13 @@ static void make_pipelines(void)
                                          .samples = VK_SAMPLE_COUNT_1_BIT};
     cube = make_pipeline(&w, &cube_parts);
     screen = make_pipeline(&w, &screen_parts);
-    if (options.way == BACKGROUND) {
+    if (has_background()) {
         pipeline_description parts = screen_parts;
-        parts.fragment = SHADER(screen_filled);
+        parts.fragment = options.way == BACKGROUND ? SHADER(screen_filled)
+                         : options.way == PLACED   ? SHADER(screen_placed)
+                                                   : SHADER(screen_gradient);
         parts.layout = cube_layout;
-        parts.color = scene_format();
+        parts.color = cube_parts.color;
         parts.depth = DEPTH_FORMAT;
         background = make_pipeline(&w, &parts);
     }
@@ -392,12 +409,15 @@ static void record_cube(picture *target, VkImage image, VkImageView view)
     barrier(target != NULL ? target->image : image, NEW, COLOR);
     barrier(depth.image, NEW, DEEP);
     begin(target != NULL ? target->view : view, true, VK_ATTACHMENT_LOAD_OP_CLEAR, whole);
-    if (options.way == BACKGROUND) {
+    if (has_background()) {
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, background.whole);
         set_window(w.extent);
         vkCmdDraw(commands, 3, 1, 0, 0);
     }
-    draw_cube(direction_matrix(&options.direction, w.extent, false));
+    matrix4 matrix = direction_matrix(&options.direction, w.extent, false);
+    if (has_gradient())
+        matrix = matrix_multiply(matrix, matrix_translate(0.0, 0.0, -10.0));
+    draw_cube(matrix);
     vkCmdEndRendering(commands);
 }
 

@@ -1,6 +1,9 @@
 #version 450
-/* Shows a picture unchanged, or one colour (FILLED). */
-#if !defined(FILLED)
+/*
+ * Shows a picture unchanged, or one colour (FILLED), or colours of the place: by an input (GRADIENT) or
+ * by FragCoord in a window of 256 × 256 pixels (PLACED).
+ */
+#if !defined(FILLED) && !defined(GRADIENT) && !defined(PLACED)
 layout(set = 0, binding = 0) uniform sampler2D picture;
 #endif
 #if defined(PLACE)
@@ -15,6 +18,10 @@ void main()
 {
 #if defined(FILLED)
     result = vec4(0.2, 0.6, 0.4, 1.0);
+#elif defined(GRADIENT)
+    result = vec4(at, 0.25, 1.0);
+#elif defined(PLACED)
+    result = vec4(gl_FragCoord.xy / 256.0, 0.25, 1.0);
 #elif defined(PLACE)
     result = texelFetch(picture, ivec2(gl_FragCoord.xy), 0);
 #else

@@ -267,7 +267,7 @@ fn flat(ctx: &mut Context, changes: Changes, measure: Option<Measure>, mut issue
     let pictures = tiles.iter().flatten().count();
     if let (Some(measure), Some((tile, _))) = (measure, tiles.iter().flatten().next()) {
         own_window_space(ctx, *tile);
-        coverage::measure_borders(ctx, measure, *tile, |ctx| repeats.unchanged(gl, false, || issue(ctx, gl)));
+        coverage::measure_parts(ctx, measure, *tile, |ctx| repeats.unchanged(gl, false, || issue(ctx, gl)));
     }
     for (number, (tile, panel)) in tiles.iter().flatten().enumerate() {
         own_window_space(ctx, *tile);

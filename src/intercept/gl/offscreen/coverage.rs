@@ -94,18 +94,41 @@ fn look_up(ctx: &mut Context, (sampled, number): (Set, u32), picture: Picture) -
     let can_measure = || can_measure(&ctx.driver, &ctx.queries);
     match kinds[kind].state {
         State::Known(part) => Answer::Part(part),
+        State::New if number != 0 && ctx.driver.profile.es => match can_probe(ctx) {
+            true => Answer::Measure(Measure { kind, what: Measured::Probes(picture) }),
+            false => Answer::Never,
+        },
         State::New if can_measure() => Answer::Measure(Measure { kind, what: Measured::Samples(picture) }),
         State::New => Answer::Never,
         State::Large(..) if can_measure() && !ctx.app.feedback() && !has_stencil_test(&ctx.driver) => {
             Answer::Measure(Measure { kind, what: Measured::Borders })
         }
-        State::Measured(..) | State::Large(..) | State::Crossed(..) => Answer::Later,
+        State::Measured(..) | State::Large(..) | State::Crossed(..) | State::Probed(..) => Answer::Later,
     }
 }
 
 /// True if repetitions of a draw might change the stencil buffer.
 fn has_stencil_test(driver: &Driver) -> bool {
     driver.known_state.is_on(driver.gl, api::GL_STENCIL_TEST)
+}
+
+/// True if a context of OpenGL ES can tell whether a draw reaches certain pixels.
+fn can_probe(ctx: &Context) -> bool {
+    ctx.driver.profile.version >= 30
+        && !ctx.queries.any()
+        && !ctx.app.feedback()
+        && !has_stencil_test(&ctx.driver)
+        && run_no_queries(&ctx.driver, &[api::GL_ANY_SAMPLES_PASSED, api::GL_ANY_SAMPLES_PASSED_CONSERVATIVE])
+}
+
+/// True if none of these queries runs.
+fn run_no_queries(driver: &Driver, targets: &[u32]) -> bool {
+    targets.iter().all(|target| {
+        let mut current = 0;
+        // SAFETY: writes one integer.
+        unsafe { driver.gl.get_queryiv(*target, api::GL_CURRENT_QUERY, &mut current) };
+        current == 0
+    })
 }
 
 /// True if samples can be counted. OpenGL ES cannot count them, and a query of the program must not
@@ -119,12 +142,7 @@ fn can_measure(driver: &Driver, queries: &Queries) -> bool {
         33.. => &[api::GL_SAMPLES_PASSED, api::GL_ANY_SAMPLES_PASSED],
         _ => &[api::GL_SAMPLES_PASSED],
     };
-    targets.iter().all(|target| {
-        let mut current = 0;
-        // SAFETY: writes one integer.
-        unsafe { driver.gl.get_queryiv(*target, api::GL_CURRENT_QUERY, &mut current) };
-        current == 0
-    })
+    run_no_queries(driver, targets)
 }
 
 /// Returns the answer without a measurement: an image with the window's shape that is not small is
@@ -140,14 +158,60 @@ fn assumed(drawable: &Drawable, view_copies: &ViewCopies, sampled: Set) -> bool 
 /// Issues the draw and measures its samples, with the program's own window space.
 pub fn measure(ctx: &mut Context, what: Measure, issue: impl FnOnce(&mut Context)) {
     let Measured::Samples(picture) = what.what else { return issue(ctx) };
-    let query = counted(ctx, issue);
+    let query = counted(ctx, api::GL_SAMPLES_PASSED, issue);
     set_state(ctx, what, State::Measured(query, picture), &[query]);
 }
 
-/// Measures the borders of a draw in `tile`, which shows the program's own window, if this is to be
-/// measured. `issue` issues the draw and restores what it changes. A window with several samples per
-/// pixel is replaced by a picture with one: llvmpipe counts samples beside the scissor there.
-pub fn measure_borders(ctx: &mut Context, what: Measure, tile: LowerLeftRect, mut issue: impl FnMut(&mut Context)) {
+/// Measures the borders of a draw in `tile`, which shows the program's own window, or what it reaches
+/// there, if this is to be measured. `issue` issues the draw and restores what it changes.
+pub fn measure_parts(ctx: &mut Context, what: Measure, tile: LowerLeftRect, mut issue: impl FnMut(&mut Context)) {
+    match what.what {
+        Measured::Samples(_) => {}
+        Measured::Borders => measure_borders(ctx, what, tile, issue),
+        Measured::Probes(picture) => {
+            // The place of the program's viewport in the tile.
+            let viewport = ctx.app.viewport().moved_into(tile);
+            let kind = api::GL_ANY_SAMPLES_PASSED;
+            let probes = picture.probes().map(|probe| probe.moved_into(viewport));
+            let queries = measured_in(ctx, tile, (probes, kind), &mut issue);
+            own_window_space(ctx, tile);
+            set_state(ctx, what, State::Probed(queries, picture), &queries);
+        }
+    }
+}
+
+/// Issues a draw, which `tile` shows, once in each of these parts, without writing anything, and returns queries
+/// of this kind.
+fn measured_in<const N: usize>(
+    ctx: &mut Context,
+    tile: LowerLeftRect,
+    (parts, kind): ([LowerLeftRect; N], u32),
+    issue: &mut impl FnMut(&mut Context),
+) -> [u32; N] {
+    let gl = ctx.driver.gl;
+    let (mut depth, colours) = (0, ctx.driver.known_state.mask(gl));
+    // SAFETY: nothing is written; the masks are put back below.
+    unsafe {
+        gl.get_booleanv(api::GL_DEPTH_WRITEMASK, &mut depth);
+        gl.depth_mask(0);
+        gl.color_mask(0, 0, 0, 0);
+    }
+    let own = ctx.app.scissor_test().then(|| ctx.app.scissor().moved_into(tile));
+    let queries = parts.map(|part| {
+        ctx.set_scissor(Some(own.map_or(part, |own| own.intersection(part))));
+        counted(ctx, kind, &mut *issue)
+    });
+    // SAFETY: the program's masks.
+    unsafe {
+        gl.depth_mask(depth);
+        gl.color_mask(colours[0], colours[1], colours[2], colours[3]);
+    }
+    queries
+}
+
+/// [`measure_parts`] for borders. A window with several samples per pixel is replaced by a picture with
+/// one: llvmpipe counts samples beside the scissor there.
+fn measure_borders(ctx: &mut Context, what: Measure, tile: LowerLeftRect, mut issue: impl FnMut(&mut Context)) {
     let kind = ctx.view_copies.coverage.0.get(what.kind);
     let (Measured::Borders, Some(State::Large(samples, picture))) = (what.what, kind.map(|kind| &kind.state)) else {
         return;
@@ -165,24 +229,8 @@ pub fn measure_borders(ctx: &mut Context, what: Measure, tile: LowerLeftRect, mu
             (samples / picture.samples, Picture { samples: 1, ..picture }, whole)
         }
     };
-    let (mut depth, colours) = (0, ctx.driver.known_state.mask(gl));
-    // SAFETY: nothing is written; the masks are put back below.
-    unsafe {
-        gl.get_booleanv(api::GL_DEPTH_WRITEMASK, &mut depth);
-        gl.depth_mask(0);
-        gl.color_mask(0, 0, 0, 0);
-    }
-    let own = ctx.app.scissor_test().then(|| ctx.app.scissor().moved_into(tile));
-    let queries = picture.arms().map(|arm| {
-        let arm = arm.moved_into(tile);
-        ctx.set_scissor(Some(own.map_or(arm, |own| own.intersection(arm))));
-        counted(ctx, &mut issue)
-    });
-    // SAFETY: the program's masks.
-    unsafe {
-        gl.depth_mask(depth);
-        gl.color_mask(colours[0], colours[1], colours[2], colours[3]);
-    }
+    let arms = picture.arms().map(|arm| arm.moved_into(tile));
+    let queries = measured_in(ctx, tile, (arms, api::GL_SAMPLES_PASSED), &mut issue);
     if let (Some(canvas), Some(target)) = (canvas, ctx.drawable.target()) {
         // SAFETY: the framebuffer that stands for the window.
         unsafe { gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, target.framebuffer()) };
@@ -192,19 +240,19 @@ pub fn measure_borders(ctx: &mut Context, what: Measure, tile: LowerLeftRect, mu
     set_state(ctx, what, State::Crossed(queries, samples, picture), &queries);
 }
 
-/// Issues a draw and returns a query that counts its samples.
-fn counted(ctx: &mut Context, issue: impl FnOnce(&mut Context)) -> u32 {
+/// Issues a draw and returns a query of this kind about its samples.
+fn counted(ctx: &mut Context, kind: u32, issue: impl FnOnce(&mut Context)) -> u32 {
     let gl = ctx.driver.gl;
     let mut query = 0;
-    // SAFETY: a query of Cupola around the draw. `can_measure` made sure that no other query counts
-    // samples.
+    // SAFETY: a query of Cupola around the draw. `can_measure` or `can_probe` made sure that no other
+    // query counts samples.
     unsafe {
         gl.gen_queries(1, &mut query);
-        gl.begin_query(api::GL_SAMPLES_PASSED, query);
+        gl.begin_query(kind, query);
     }
     issue(ctx);
     // SAFETY: begun above.
-    unsafe { gl.end_query(api::GL_SAMPLES_PASSED) };
+    unsafe { gl.end_query(kind) };
     query
 }
 

@@ -102,6 +102,9 @@ pub struct Picture {
     pub samples: i64,
 }
 
+/// Number of pixels that tell whether a draw fills a picture, where samples cannot be counted.
+pub const PROBES: usize = 9;
+
 /// How much of a picture a draw fills, by the number of its samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filled {
@@ -144,6 +147,15 @@ impl Picture {
             LowerLeftRect::new(x, 0, 1, y),
             LowerLeftRect::new(x, y, 1, height - y),
         ]
+    }
+
+    /// Returns pixels at the corners, at the middles of the borders and in the middle. A draw that
+    /// reaches all of them is assumed to fill the picture.
+    pub fn probes(&self) -> [LowerLeftRect; PROBES] {
+        let (Size { width, height }, [x, y]) = (self.size, self.middle());
+        let across = [0, x, (width - 1).max(0)];
+        let up = [0, y, (height - 1).max(0)];
+        std::array::from_fn(|index| LowerLeftRect::new(across[index % 3], up[index / 3], 1, 1))
     }
 
     fn middle(&self) -> [i32; 2] {

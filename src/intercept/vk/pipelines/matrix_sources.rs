@@ -49,6 +49,18 @@ pub fn from_bytes(bytes: &[u8], stride: usize) -> Option<Mat4> {
     Some(Mat4::from_cols_array_2d(&columns))
 }
 
+/// True if the only stage before rasterisation computes positions from numbers of its own.
+///
+/// # Safety
+/// `stages` must be the program's.
+pub unsafe fn has_fixed_position(device: &Device, stages: &[vk::PipelineShaderStageCreateInfo<'_>]) -> bool {
+    let mut before = stages.iter().filter(|stage| stage.stage != vk::ShaderStageFlags::FRAGMENT);
+    let (Some(stage), None) = (before.next(), before.next()) else { return false };
+    // SAFETY: as promised.
+    let words = unsafe { words_of(device, stage) };
+    words.is_some_and(|words| spirv::has_fixed_position(&words))
+}
+
 /// Returns the matrices that the stages before rasterisation read, and the reason why there is no
 /// lens if there are none. Attributes count if no other matrix makes the position.
 ///

@@ -88,6 +88,9 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
     let mut modules = Modules::new(device);
     let mut stages = parts.stages.clone();
     let mut dividing = None;
+    // Views with curved pictures cannot be filled. The vertices of a library are in another one.
+    let may_fill = !device.view_constants.have_lenses()
+        && (parts.attributes() == Some(0) || parts.shades() && !parts.places_vertices());
     // SAFETY: as promised; shader modules of Cupola are destroyed after the pipelines are made.
     unsafe {
         if parts.places_vertices() {
@@ -95,9 +98,10 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
             made.matrices.extend(matrices);
             made.matrices.sort_by_key(|matrix| matrix.rank);
             made.missing_lens = missing;
+            made.fixed_position = matrix_sources::has_fixed_position(device, &stages);
         }
         let vertex_words = match &layout {
-            Some(layout) => change_stages(device, &mut stages, &mut modules, layout.ours, &mut made)?,
+            Some(layout) => change_stages(device, &mut stages, &mut modules, (layout.ours, may_fill), &mut made)?,
             None => None,
         };
         // The variant that divides also uses the program's own fragment shader.
@@ -202,11 +206,14 @@ fn inherited(parts: &Parts<'_>, linked: &[Arc<Pipeline>]) -> Variants {
             || parts.depth.is_some_and(|state| state.depth_test_enable == vk::TRUE)
             || libraries().any(|library| library.deep),
         writes: libraries().any(|library| library.writes),
+        fixed_position: libraries().any(|library| library.fixed_position),
+        backdrop: libraries().any(|library| library.backdrop),
     }
 }
 
 /// Changes the fragment stage for views, and also the vertex stage if no matrix makes positions.
-/// The stages read the view constants in set `ours`. Notes in `made` the data that they read.
+/// The stages read the view constants in set `ours`. `may_fill`: the draws may be backgrounds. Notes in
+/// `made` the data that the stages read.
 /// Returns the index and the words of the vertex stage, if it is changed.
 ///
 /// # Errors
@@ -218,14 +225,14 @@ unsafe fn change_stages(
     device: &Device,
     stages: &mut [vk::PipelineShaderStageCreateInfo<'_>],
     modules: &mut Modules<'_>,
-    ours: u32,
+    (ours, may_fill): (u32, bool),
     made: &mut Variants,
 ) -> Result<Option<(usize, Vec<u32>)>, Obstacle> {
     let number = |flag| stages.iter().position(|stage| stage.stage == flag);
     let (fragment, vertex) = (number(vk::ShaderStageFlags::FRAGMENT), number(vk::ShaderStageFlags::VERTEX));
     if let Some(index) = fragment {
         // SAFETY: as promised.
-        let changed = unsafe { view_stages::fragment(device, &stages[index], ours) };
+        let changed = unsafe { view_stages::fragment(device, &stages[index], ours, may_fill) };
         if let Some(words) = &changed.words {
             modules.replace(&mut stages[index], words)?;
         }
@@ -233,6 +240,7 @@ unsafe fn change_stages(
         made.loses_place |= changed.loses_place;
         made.pictures.extend(changed.pictures);
         made.cameras.extend(changed.cameras);
+        made.backdrop = changed.backdrop;
     }
     // In a draw of the scene, the outputs of the vertex stage have to fit its position.
     let Some(index) = vertex.filter(|_| made.matrices.is_empty()) else { return Ok(None) };

@@ -23,15 +23,29 @@ pub struct ViewStage {
     pub pictures: Vec<DescriptorPlace>,
     /// Its matrices that may be functions of the camera.
     pub cameras: Vec<CameraMatrix>,
+    /// True if its inputs can be those of another place: for backgrounds.
+    pub backdrop: bool,
 }
 
 /// Returns a fragment stage for views, which reads the view constants through set `ours`.
+/// `may_fill`: it may be that of a background.
 ///
 /// # Safety
 /// `stage` must be the program's.
-pub unsafe fn fragment(device: &Device, stage: &vk::PipelineShaderStageCreateInfo<'_>, ours: u32) -> ViewStage {
-    let mut made =
-        ViewStage { words: None, moves_place: false, loses_place: false, pictures: Vec::new(), cameras: Vec::new() };
+pub unsafe fn fragment(
+    device: &Device,
+    stage: &vk::PipelineShaderStageCreateInfo<'_>,
+    ours: u32,
+    may_fill: bool,
+) -> ViewStage {
+    let mut made = ViewStage {
+        words: None,
+        moves_place: false,
+        loses_place: false,
+        pictures: Vec::new(),
+        cameras: Vec::new(),
+        backdrop: false,
+    };
     // SAFETY: as promised.
     let (words, entry) = unsafe { (words_of(device, stage), name_of(stage)) };
     let Some(words) = words else { return made };
@@ -61,6 +75,10 @@ pub unsafe fn fragment(device: &Device, stage: &vk::PipelineShaderStageCreateInf
     if let Some((words, cameras)) = with_cameras(device, &before, &entry, MatrixStage::Fragment, ours) {
         made.words = Some(words);
         made.cameras = cameras;
+    } else if may_fill && made.pictures.is_empty() {
+        let filled = spirv::backdrop(&before, &entry, ours, device.view_constants.backdrop_offset());
+        made.backdrop = filled.is_ok();
+        made.words = filled.ok().or(made.words);
     }
     made
 }

@@ -30,6 +30,11 @@ impl PositionLoads {
         self.members.iter().any(|(of, loaded)| *of == variable && loaded.iter().zip(path).all(|(a, b)| a == b))
     }
 
+    /// True if any member of the program's blocks is loaded.
+    pub fn any(&self) -> bool {
+        !self.members.is_empty()
+    }
+
     /// True if the value with this id, or of this variable, may flow into the position.
     pub fn reach(&self, id: u32) -> bool {
         self.ids.contains(&id)

@@ -59,7 +59,7 @@ pub fn frag_coord(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<O
 ///
 /// # Errors
 /// The variable, or a part of it, is used for more than loads.
-fn chains(all: &[Instruction<'_>], given: u32) -> Result<Vec<(u32, u32)>, Obstacle> {
+pub(super) fn chains(all: &[Instruction<'_>], given: u32) -> Result<Vec<(u32, u32)>, Obstacle> {
     let is_chain = |i: &&Instruction<'_>| i.is(Op::AccessChain) || i.is(Op::InBoundsAccessChain);
     let chains: Vec<(u32, u32)> =
         all.iter().filter(|i| is_chain(i) && i.operand(2) == given).map(|i| (i.operand(1), i.operand(0))).collect();
@@ -116,7 +116,7 @@ fn variables(to: &mut Additions<'_>, vector: u32, (set, offset): (u32, u32)) -> 
 ///
 /// # Errors
 /// A type is not known.
-fn private_pointers(
+pub(super) fn private_pointers(
     to: &mut Additions<'_>,
     declared: &Declarations<'_>,
     chains: &[(u32, u32)],

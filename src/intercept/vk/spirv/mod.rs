@@ -5,6 +5,7 @@
 //! exports of this file.
 
 mod addresses;
+mod backdrop;
 mod camera_matrices;
 mod compute;
 mod dependence;
@@ -15,10 +16,11 @@ mod reflect;
 mod splice;
 mod texels;
 
+pub use backdrop::{BACKDROP_VECTORS, backdrop};
 pub use camera_matrices::{CAMERA_BYTES, Chosen, MOST_CAMERAS, camera_matrices};
 pub use compute::{BufferWrites, ComputeUse, compute_use, without_writes};
 pub use frag_coord::frag_coord;
-pub use reflect::{Matrix, Memory, asks_place, attribute_matrices, matrices, missing_lens};
+pub use reflect::{Matrix, Memory, asks_place, attribute_matrices, has_fixed_position, matrices, missing_lens};
 pub use splice::splice;
 pub use texels::{DescriptorPlace, Followed, MOST_PICTURES, texels};
 

@@ -173,6 +173,17 @@ pub fn missing_lens(words: &[u32]) -> MissingLens {
     }
 }
 
+/// True if no data of the program flow into the position of a vertex shader without attributes: its
+/// positions are numbers in the shader.
+pub fn has_fixed_position(words: &[u32]) -> bool {
+    let Some(all) = instructions(words) else { return false };
+    let declared = Declarations::new(&all);
+    let Some(loads) = PositionLoads::of(&all, &declared) else { return false };
+    let image = StorageClass::UniformConstant as u32;
+    let is_image = |variable| declared.pointee(variable).is_some_and(|(class, _)| class == image);
+    !loads.any() && !globals(&all, &declared).any(|(variable, _)| is_image(variable) && loads.reach(variable))
+}
+
 /// True if a fragment shader uses its position on the screen.
 pub fn asks_place(words: &[u32]) -> bool {
     let place = [Decoration::BuiltIn as u32, BuiltIn::FragCoord as u32];

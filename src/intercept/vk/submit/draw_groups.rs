@@ -18,6 +18,7 @@ use crate::intercept::vk::state::recording::draw_groups::{DrawClass, DrawGroup, 
 use crate::intercept::vk::state::recording::{Event, Recording};
 use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect};
 use crate::intercept::vk::state::views::view_constants::ConstantChunk;
+use crate::intercept::vk::submit::backdrops;
 use crate::intercept::vk::submit::camera_matrices;
 use crate::intercept::vk::submit::inspected;
 use crate::lock::Lock;
@@ -153,7 +154,7 @@ fn sample_scale(device: &Device, group: &DrawGroup) -> SampleScale {
     let same = repeated + views.iter().filter(|view| view.own_lens).count() as f64;
     let seen = match group.last {
         Some(DrawClass::Scene(lens)) => repeated + frame.samples(&lens, layout, of_window) / of_window,
-        Some(DrawClass::Screen) => {
+        Some(DrawClass::Screen | DrawClass::Backdrop(_)) => {
             let shown = group.facts.part.map_or(own, AtlasRect::area);
             repeated + views.iter().map(|view| view.rect.area()).sum::<f64>() / shown
         }
@@ -199,6 +200,7 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
             frame.prepare_behind(&group.layout);
         }
         camera_matrices::write(device, group, outcome, &mut frame, chunks);
+        backdrops::write(device, group, outcome, &mut frame, chunks);
         let of_views = match camera {
             Some(index) => frame.cameras.get(index).map(|camera| &camera.reprojections),
             None => (outcome == DrawClass::Behind).then_some(&frame.behind),
@@ -265,15 +267,20 @@ fn classify(
             *frame.counts.found.entry("inverse of a camera matrix").or_default() += group.draws;
             DrawClass::Screen
         }
-        None if facts.fills && in_views => DrawClass::Screen,
+        None if facts.fills && facts.off_screen && in_views => {
+            frame.backdrop_lens(facts).map_or(DrawClass::Screen, DrawClass::Backdrop)
+        }
         // A flat draw to an image of the scene can only go to the views.
         None if facts.off_screen => DrawClass::Behind,
         None => {
             frame.counts.missing.count(group.missing_lens(), group.draws);
             frame.counts.flat += group.draws;
             frame.order.note_flat();
-            let behind = in_views && frame.order.is_behind();
-            if behind { DrawClass::Behind } else { DrawClass::Flat }
+            match in_views && frame.order.is_behind() {
+                true if facts.fills => frame.backdrop_lens(facts).map_or(DrawClass::Behind, DrawClass::Backdrop),
+                true => DrawClass::Behind,
+                false => DrawClass::Flat,
+            }
         }
     }
 }
@@ -301,11 +308,12 @@ fn write(
         }
     };
     let views = &group.layout.views;
+    let covers = matches!(outcome, DrawClass::Screen | DrawClass::Backdrop(_));
     for (index, view) in views.iter().enumerate().filter(|_| group.facts.in_views) {
         let lens = group.layout.lenses.get(index);
         let at = index as u32;
         match of_views.and_then(|of_views| of_views.get(index)) {
-            _ if view.own_lens || outcome == DrawClass::Screen => slot(at, &IDENTITY, None),
+            _ if view.own_lens || covers => slot(at, &IDENTITY, None),
             Some(reprojection) if group.facts.y_up => slot(at, reprojection, lens),
             Some(reprojection) => slot(at, &reprojection.y_down(), lens.map(LensConstants::y_down).as_ref()),
             None => slot(at, &OUT_OF_SIGHT, None),

@@ -23,6 +23,7 @@ pub(in crate::intercept::vk) fn note(
     };
     let (name, why) = match class {
         DrawClass::Scene(_) => ("scene", how.unwrap_or_default().to_owned()),
+        DrawClass::Backdrop(_) => ("background", "it fills the picture before the scene".to_owned()),
         DrawClass::Screen if group.facts.fills => ("background", "it fills an image before the scene".to_owned()),
         DrawClass::Screen => ("pass over the screen", "it shows an image of the scene".to_owned()),
         DrawClass::Behind => ("flat, behind the scene", "no matrix with a perspective, before the scene".to_owned()),

@@ -7,6 +7,7 @@
 //! `vkBindBufferMemory`, …), so that matrices can be read. [`inspected`] describes groups for
 //! `cupola inspect`. State: `Frame`, `HostMemory`.
 
+pub mod backdrops;
 pub mod camera_matrices;
 pub mod draw_groups;
 pub mod host_memory;

@@ -3,7 +3,7 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::offscreen::images::Set;
-use crate::intercept::scene::viewport::parts::{ARMS, Filled, Picture};
+use crate::intercept::scene::viewport::parts::{ARMS, Filled, PROBES, Picture};
 
 /// Flat draws to the window that sample followed images, and flat draws into such images.
 #[derive(Default)]
@@ -35,6 +35,8 @@ pub(in crate::intercept::gl) enum State {
     Large(i64, Picture),
     /// Queries of the four arms of a cross, and number of samples of the draw.
     Crossed([u32; ARMS], i64, Picture),
+    /// Queries of the pixels that tell whether the draw fills the picture.
+    Probed([u32; PROBES], Picture),
     /// The rectangle that such draws fill. `None`: they fill no large rectangle.
     Known(Option<LowerLeftRect>),
 }
@@ -55,6 +57,8 @@ pub(in crate::intercept::gl) enum Measured {
     Samples(Picture),
     /// The borders of the rectangle that it fills.
     Borders,
+    /// Whether it reaches certain pixels of this picture, as OpenGL ES cannot count samples.
+    Probes(Picture),
 }
 
 impl Coverage {
@@ -81,6 +85,10 @@ impl Coverage {
                 }
                 State::Crossed(queries, samples, picture) => {
                     State::Known(picture.rectangle(queries.map(|query| take_result(gl, query)), samples))
+                }
+                State::Probed(queries, picture) => {
+                    let reached = queries.map(|query| take_result(gl, query)).iter().all(|any| *any != 0);
+                    State::Known(reached.then(|| picture.whole()))
                 }
                 _ => continue,
             };
@@ -110,6 +118,7 @@ impl Kind {
         let queries: &[u32] = match &self.state {
             State::Measured(query, _) => std::slice::from_ref(query),
             State::Crossed(queries, ..) => queries,
+            State::Probed(queries, ..) => queries,
             _ => return,
         };
         // SAFETY: objects of Cupola.

@@ -153,7 +153,7 @@ unsafe fn issue_flat(draw: &ProgramDraw<'_>, recording: &mut Recording, layout: 
 /// * A flat draw before the first draw of the scene may have to go behind the scene, so it needs
 ///   the views, too. A triangle or square off screen may have no matrices and no attributes, so
 ///   that the shader computes its positions from the vertex numbers. Such a draw covers each view
-///   completely (`fills`).
+///   completely (`fills`); in the window, if no data of the program flow into its positions.
 ///
 /// Matrices count only in the viewport of the main picture (`main`). In other viewports they may
 /// belong to another camera.
@@ -196,7 +196,8 @@ fn classify(
     let own_lens = layout.views.iter().any(|view| view.own_lens);
     let in_views = own_lens || main && (screen || sky || variants.follows && may_be_behind);
     let given = !variants.matrices.is_empty() || !cameras.is_empty() || !sets.is_empty();
-    let fills = off_screen && main && covers && !pass.scene && !given && draw.pipeline.without_attributes;
+    let may_fill = off_screen || in_views && variants.backdrop && variants.fixed_position;
+    let fills = may_fill && main && covers && !pass.scene && !given && draw.pipeline.without_attributes;
     pass.scene |= !sources.is_empty() || screen || deep;
     let y_up = program.viewport.height < 0.0;
     if !sources.is_empty() {
@@ -215,6 +216,7 @@ fn classify(
         screen,
         part,
         fills,
+        backdrop: variants.backdrop,
         cameras,
         sky,
     };

@@ -130,6 +130,10 @@ pub struct Variants {
     pub(in crate::intercept::vk) deep: bool,
     /// True if its shaders may write to buffers or images.
     pub(in crate::intercept::vk) writes: bool,
+    /// True if positions are numbers in its vertex shader.
+    pub(in crate::intercept::vk) fixed_position: bool,
+    /// True if the inputs of its fragments can be those of another place: for backgrounds.
+    pub(in crate::intercept::vk) backdrop: bool,
 }
 
 impl Variants {

@@ -49,6 +49,9 @@ pub(in crate::intercept::vk) enum DrawClass {
     Behind,
     /// A picture of the scene that covers each view.
     Screen,
+    /// A background, which fills each view with what the program's picture has there through this
+    /// lens.
+    Backdrop(Intrinsics),
 }
 
 /// A matrix that may be a function of the camera.
@@ -68,6 +71,7 @@ impl DrawFacts {
     pub fn slot_parts(&self) -> SlotParts {
         match (self.cameras.is_empty(), self.pictures.is_empty()) {
             (false, _) => SlotParts::Cameras,
+            (true, _) if self.backdrop => SlotParts::Backdrop,
             (true, false) => SlotParts::Factors,
             (true, true) => SlotParts::Place,
         }
@@ -120,8 +124,10 @@ pub struct DrawFacts {
     pub(in crate::intercept::vk) screen: bool,
     /// The part of the window that such draws fill, between widgets; `None`: all of it.
     pub(in crate::intercept::vk) part: Option<AtlasRect>,
-    /// True for draws that fill an image before the scene is drawn there: a background.
+    /// True for draws that fill the picture before the scene is drawn there: a background.
     pub(in crate::intercept::vk) fills: bool,
+    /// True if the inputs of their fragments can be those of another place.
+    pub(in crate::intercept::vk) backdrop: bool,
 }
 
 /// Draws that share a lens.

@@ -7,7 +7,7 @@
 //! parameters of large draws lie in the same chunks.
 
 use crate::intercept::scene::to_window::ToWindow;
-use crate::intercept::vk::spirv::{CAMERA_BYTES, MOST_CAMERAS, MOST_PICTURES};
+use crate::intercept::vk::spirv::{BACKDROP_VECTORS, CAMERA_BYTES, MOST_CAMERAS, MOST_PICTURES};
 use crate::intercept::vk::state::driver::Driver;
 use crate::intercept::vk::state::views::division_counter::Counter;
 use crate::lock::Lock;
@@ -59,6 +59,8 @@ pub enum SlotParts {
     Place,
     /// Factors of images that fragments read by texel coordinates.
     Factors,
+    /// Places of backgrounds.
+    Backdrop,
     /// Camera matrices.
     Cameras,
 }
@@ -98,17 +100,23 @@ impl ConstantPool {
         (if self.lenses { 2 } else { 1 }) * (FLOATS * size_of::<f32>()) as u32
     }
 
+    /// Returns the offset in a slot of the places of backgrounds, in bytes.
+    pub fn backdrop_offset(&self) -> u32 {
+        self.to_window_offset() + ((1 + MOST_PICTURES) * size_of::<[f32; 4]>()) as u32
+    }
+
     /// Returns the offset in a slot of the camera matrices, in bytes. Those of the vertex stage
     /// follow those of the fragment stage.
     pub fn cameras_offset(&self) -> u32 {
-        self.to_window_offset() + ((1 + MOST_PICTURES) * size_of::<[f32; 4]>()) as u32
+        self.backdrop_offset() + (BACKDROP_VECTORS * size_of::<[f32; 4]>()) as u32
     }
 
     /// Returns the size of a slot with these parts, in bytes.
     pub fn slot(&self, parts: SlotParts) -> u32 {
         match parts {
             SlotParts::Place => self.to_window_offset() + size_of::<[f32; 4]>() as u32,
-            SlotParts::Factors => self.cameras_offset(),
+            SlotParts::Factors => self.backdrop_offset(),
+            SlotParts::Backdrop => self.cameras_offset(),
             SlotParts::Cameras => self.cameras_offset() + CAMERA_BYTES,
         }
     }
@@ -296,6 +304,11 @@ impl ConstantChunk {
     pub fn write_factors(&self, offset: u32, factors: &[[f32; 4]]) {
         let place = offset + size_of::<[f32; 4]>() as u32;
         self.write_words(place, &factors.as_flattened().iter().map(|factor| factor.to_bits()).collect::<Vec<_>>());
+    }
+
+    /// Writes the places of a background, at this offset.
+    pub fn write_backdrop(&self, offset: u32, vectors: &[[f32; 4]; BACKDROP_VECTORS]) {
+        self.write_words(offset, &vectors.as_flattened().iter().map(|number| number.to_bits()).collect::<Vec<_>>());
     }
 
     /// Writes the matrices that replace those of the program in a stage, at this offset.
