@@ -90,7 +90,7 @@ fn an_element_that_is_not_known() {
 }
 
 fn an_attribute_of_each_instance() {
-    right("instanced_matrix", &["array", "second", "constant"]);
+    right("instanced_matrix", &["array", "second", "constant", "columns", "rows", "models"]);
     flat_but_for_a_given_lens("instanced_matrix", "vertices");
 }
 

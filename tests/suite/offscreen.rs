@@ -1,8 +1,6 @@
 //! Programs that draw their scene off screen: each view gets a copy of the picture.
 
-use crate::compare::{
-    BORDERS, Limits, Shown, beyond_neighbours, compare, compare_with, expect_alike, expect_good,
-};
+use crate::compare::{BORDERS, Limits, Shown, beyond_neighbours, compare, compare_with, expect_alike, expect_good};
 use crate::dialects::{camera_of, fisheye, identity, plain, planetarium, shown_by_fisheye, shown_by_window};
 use crate::harness::tests;
 use crate::picture::Picture;

@@ -27,6 +27,8 @@ fn matrices_in_attributes_behind_addresses_and_in_copies() {
         &["--matrix", "instance"][..],
         &["--matrix", "instance", "--secondary", "--once", "--pass", "dynamic"],
         &["--matrix", "instance-copied", "--flip"],
+        &["--matrix", "instance", "--columns"],
+        &["--matrix", "instance-copied", "--columns", "--secondary"],
         &["--matrix", "address"],
         &["--matrix", "address", "--secondary", "--flip", "--samples", "4"],
         &["--matrix", "address-in-block", "--once"],

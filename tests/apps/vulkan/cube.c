@@ -25,6 +25,7 @@
 #include "cube_columns.h"
 #include "cube_frag.h"
 #include "cube_instance.h"
+#include "cube_instance_columns.h"
 #include "cube_place.h"
 #include "cube_push.h"
 #include "cube_row_vector.h"
@@ -129,7 +130,8 @@ static void make_cube_pipeline(void)
     const shader_words address = options.matrix == MATRIX_ADDRESS       ? SHADER(cube_address)
                                  : options.matrix == MATRIX_ADDRESS_SUM ? SHADER(cube_address_sum)
                                                                         : SHADER(cube_address_block);
-    const shader_words any = has_address() ? address : has_attribute() ? SHADER(cube_instance) : one;
+    const shader_words attribute = options.columns ? SHADER(cube_instance_columns) : SHADER(cube_instance);
+    const shader_words any = has_address() ? address : has_attribute() ? attribute : one;
     const shader_words arrays[] = {any, SHADER(cube_array), SHADER(cube_rows), SHADER(cube_row_vector)};
     const shader_words fragments[] = {SHADER(cube_frag), SHADER(cube_clip), SHADER(cube_place)};
     pipeline_description description = {.vertex = arrays[options.array],

@@ -4,7 +4,7 @@
  * divided as in ../common/cells.c: into triangles (instance 0), on a ball with the cube's colours
  * (1), in inverted colours around that ball (2), or into points in the middle of the cells (3).
  * With ARRAY the matrix is an array of columns, with ROWS an array of rows. With ROW_VECTOR the
- * matrix stands after the vector. With INSTANCE it is an attribute, with ADDRESS behind an address,
+ * matrix stands after the vector. With INSTANCE it is an attribute (four with COLUMNS), with ADDRESS behind an address,
  * which is in a block with BLOCK; with SUM the shader adds a number to it. With PROJECTING Cupola's functions are inserted before.
  */
 #if defined(ADDRESS)
@@ -21,6 +21,12 @@ layout(push_constant) uniform Frame { layout(offset = 8) uvec2 camera; uint more
 layout(push_constant) uniform Frame { layout(offset = 8) Camera camera; };
 #define mvp camera.mvp
 #endif
+#elif defined(INSTANCE) && defined(COLUMNS)
+layout(location = 3) in vec4 x;
+layout(location = 4) in vec4 y;
+layout(location = 5) in vec4 z;
+layout(location = 6) in vec4 w;
+#define mvp mat4(x, y, z, w)
 #elif defined(INSTANCE)
 layout(location = 3) in mat4 mvp;
 #elif defined(BLOCK)

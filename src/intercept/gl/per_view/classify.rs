@@ -29,7 +29,9 @@ pub fn classify(ctx: &mut Context) -> DrawClass {
 /// Returns the reason why a flat draw has no lens.
 fn missing_lens(shaders: &Shaders) -> MissingLens {
     match shaders.program().filter(|program| program.draws_vertices()) {
-        Some(program) if !program.attribute_matrices.locked().is_empty() => MissingLens::Attribute,
+        Some(program) if program.attribute_matrices.locked().iter().any(|matrix| matrix.declared) => {
+            MissingLens::Attribute
+        }
         Some(program) if !program.uniforms.locked().any() => MissingLens::NoMatrix,
         _ => MissingLens::NoPerspective,
     }

@@ -1,7 +1,7 @@
 //! Matrices that shaders get from vertex attributes, such as a camera for each instance.
 //!
 //! They are examined if no uniform has a lens. The lens of the first instance is used for all
-//! instances.
+//! instances. Four vectors of each instance, at consecutive locations, may be a matrix, too.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
@@ -11,6 +11,7 @@ use crate::intercept::gl::state::vertex_input::vertex_ranges::Layout;
 use crate::intercept::gl::vertex_input::{buffers, ranges, vertex_arrays};
 use crate::intercept::scene::lens::{self, Candidate, Told, rank};
 use glam::{DMat4, Mat4};
+use std::collections::BTreeMap;
 use std::ffi::{CStr, c_char};
 
 /// Result of the search for a lens in the attributes of a program.
@@ -27,7 +28,7 @@ pub enum FoundLens {
 /// Returns the matrices of a linked program that may flow into its position; all matrices if that
 /// is not known.
 pub fn of_program(gl: &Gl, program: u32, position: Option<&PositionNames>) -> Vec<AttributeMatrix> {
-    let mut found = Vec::new();
+    let (mut found, mut vectors) = (Vec::new(), BTreeMap::new());
     let mut count = 0;
     // SAFETY: writes one integer.
     unsafe { gl.get_programiv(program, api::GL_ACTIVE_ATTRIBUTES, &mut count) };
@@ -40,20 +41,41 @@ pub fn of_program(gl: &Gl, program: u32, position: Option<&PositionNames>) -> Ve
             (CStr::from_ptr(text.as_ptr()).to_string_lossy(), gl.get_attrib_location(program, text.as_ptr()))
         };
         let flows = position.is_none_or(|names| names.contain(&name));
-        let Some(location) = u32::try_from(location).ok().filter(|_| kind == api::GL_FLOAT_MAT4 && size == 1 && flows)
-        else {
-            continue;
-        };
-        found.push(AttributeMatrix { location, rank: rank(&name), value: DMat4::ZERO, read: None });
+        let Some(location) = u32::try_from(location).ok().filter(|_| size == 1 && flows) else { continue };
+        let rank = rank(&name);
+        match kind {
+            api::GL_FLOAT_MAT4 => found.push(AttributeMatrix::new(location, rank, true)),
+            api::GL_FLOAT_VEC4 => drop(vectors.insert(location, rank)),
+            _ => {}
+        }
     }
+    let locations: Vec<u32> = vectors.keys().copied().collect();
+    found.extend(lens::fours(&locations).into_iter().map(|first| {
+        let rank = vectors.range(first..first + 4).map(|(_, rank)| *rank).min().unwrap_or_default();
+        AttributeMatrix::new(first, rank, false)
+    }));
     found
 }
+
+/// Number of reads after which vectors without a lens are no longer read: a buffer that is written for
+/// each draw would be waited for each time.
+const MOST_MISSES: u8 = 60;
 
 /// Returns the lens of the present draw.
 pub fn lens(ctx: &mut Context, matrices: &mut [AttributeMatrix]) -> FoundLens {
     let mut readable = true;
     for matrix in &mut *matrices {
-        readable &= read(ctx, matrix).is_some();
+        if matrix.declared {
+            readable &= read(ctx, matrix).is_some();
+        } else if matrix.misses < MOST_MISSES {
+            let known = read(ctx, matrix).is_some();
+            let lens = Candidate::either(matrix.rank, &matrix.value).lens().filter(|_| known);
+            matrix.misses = if lens.is_some() { 0 } else { matrix.misses + 1 };
+            // Vectors of vertices are no matrix, and neither are colours of instances.
+            if lens.is_none() {
+                (matrix.value, matrix.read) = (DMat4::ZERO, None);
+            }
+        }
     }
     match lens::find(matrices.iter().map(|matrix| Candidate::either(matrix.rank, &matrix.value))) {
         _ if !readable => FoundLens::Unreadable,
@@ -66,6 +88,9 @@ pub fn lens(ctx: &mut Context, matrices: &mut [AttributeMatrix]) -> FoundLens {
 fn read(ctx: &mut Context, matrix: &mut AttributeMatrix) -> Option<()> {
     let (gl, profile) = (ctx.driver.gl, ctx.driver.profile);
     if !vertex_arrays::is_on(&ctx.driver, &mut ctx.vertex_input, matrix.location) {
+        if !matrix.declared {
+            return None;
+        }
         // In the compatibility profile attribute 0 has no current value, only values of vertices.
         if matrix.location == 0 && profile.compatibility() {
             return None;

@@ -62,14 +62,17 @@ pub unsafe fn has_fixed_position(device: &Device, stages: &[vk::PipelineShaderSt
 }
 
 /// Returns the matrices that the stages before rasterisation read, and the reason why there is no
-/// lens if there are none. Attributes count if no other matrix makes the position.
+/// lens if there are none. Attributes count if no other matrix makes the position. `columns`: those
+/// that are of instances.
 ///
 /// # Safety
 /// `stages` must be the program's.
 pub unsafe fn before_rasterisation(
     device: &Device,
     stages: &[vk::PipelineShaderStageCreateInfo<'_>],
+    columns: &[InstanceColumn],
 ) -> (Vec<Matrix>, MissingLens) {
+    let locations: Vec<u32> = columns.iter().map(|column| column.location).collect();
     let before = || stages.iter().filter(|stage| stage.stage != vk::ShaderStageFlags::FRAGMENT);
     // The bits of the stages are in the order of the stages.
     let last = before().map(|stage| stage.stage).max();
@@ -81,7 +84,7 @@ pub unsafe fn before_rasterisation(
         let Some(words) = (unsafe { words_of(device, stage) }) else { continue };
         matrices.extend(spirv::matrices(&words, of_position));
         if stage.stage == vk::ShaderStageFlags::VERTEX {
-            attributes.extend(spirv::attribute_matrices(&words, of_position));
+            attributes.extend(spirv::attribute_matrices(&words, of_position, &locations));
         }
         if matrices.is_empty() && attributes.is_empty() {
             missing = missing.max(spirv::missing_lens(&words));

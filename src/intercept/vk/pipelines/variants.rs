@@ -94,7 +94,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
     // SAFETY: as promised; shader modules of Cupola are destroyed after the pipelines are made.
     unsafe {
         if parts.places_vertices() {
-            let (matrices, missing) = matrix_sources::before_rasterisation(device, &stages);
+            let (matrices, missing) = matrix_sources::before_rasterisation(device, &stages, &parts.columns());
             made.matrices.extend(matrices);
             made.matrices.sort_by_key(|matrix| matrix.rank);
             made.missing_lens = missing;

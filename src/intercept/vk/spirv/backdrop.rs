@@ -165,13 +165,7 @@ fn block(to: &mut Additions<'_>, vector: u32, (set, offset): (u32, u32)) -> (u32
 
 /// Returns a function that sets Cupola's variables and calls `main`, and the variable of the view
 /// constants.
-fn wrapper(
-    to: &mut Additions<'_>,
-    replaced: &[Replaced],
-    place: u32,
-    main: u32,
-    constants: (u32, u32),
-) -> (u32, u32) {
+fn wrapper(to: &mut Additions<'_>, replaced: &[Replaced], place: u32, main: u32, constants: (u32, u32)) -> (u32, u32) {
     let void = to.kind(Op::TypeVoid, &[]);
     let function = to.kind(Op::TypeFunction, &[void]);
     let float = to.kind(Op::TypeFloat, &[32]);

@@ -6,7 +6,7 @@ use crate::intercept::vk::spirv::addresses::{Address, addresses};
 use crate::intercept::vk::spirv::dependence::PositionLoads;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
 use spirv::{BuiltIn, Decoration, Op, StorageClass};
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 /// The memory that a matrix is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -129,24 +129,39 @@ fn memory(declared: &Declarations<'_>, variable: u32) -> Option<Memory> {
         .then(|| Memory::Buffer { set: place(Decoration::DescriptorSet), binding: place(Decoration::Binding) })
 }
 
-/// Returns the matrices among the attributes of a vertex shader. `of_position`: as for [`matrices`].
-pub fn attribute_matrices(words: &[u32], of_position: bool) -> Vec<Matrix> {
+/// Returns the matrices among the attributes of a vertex shader. Four vectors at consecutive ones of
+/// `locations`, which are attributes of instances, may be a matrix. `of_position`: as for
+/// [`matrices`].
+pub fn attribute_matrices(words: &[u32], of_position: bool, locations: &[u32]) -> Vec<Matrix> {
     let Some(all) = instructions(words) else { return Vec::new() };
     let declared = Declarations::new(&all);
     let loads = if of_position { PositionLoads::of(&all, &declared) } else { None };
-    let matrix = |(variable, kind): (u32, u32)| {
-        let is_input = declared.pointee(variable)?.0 == StorageClass::Input as u32;
-        let flows = loads.as_ref().is_none_or(|loads| loads.reach(variable));
-        let location = declared.number(variable, None, Decoration::Location)?;
-        (is_input && flows && declared.is_mat4(kind)).then(|| Matrix {
-            memory: Memory::Attribute { location },
-            offset: 0,
-            stride: 16,
-            row_major: false,
-            rank: lens::rank(declared.name(variable, None)),
-        })
+    let matrix = |location, rank| Matrix {
+        memory: Memory::Attribute { location },
+        offset: 0,
+        stride: 16,
+        row_major: false,
+        rank,
     };
-    globals(&all, &declared).filter_map(matrix).collect()
+    let (mut found, mut vectors) = (Vec::new(), BTreeMap::new());
+    for (variable, kind) in globals(&all, &declared) {
+        let is_input = declared.pointee(variable).is_some_and(|(class, _)| class == StorageClass::Input as u32);
+        let flows = loads.as_ref().is_none_or(|loads| loads.reach(variable));
+        let location = declared.number(variable, None, Decoration::Location).filter(|_| is_input && flows);
+        let Some(location) = location else { continue };
+        let rank = lens::rank(declared.name(variable, None));
+        if declared.is_mat4(kind) {
+            found.push(matrix(location, rank));
+        } else if declared.is_vec4(kind) && locations.contains(&location) {
+            vectors.insert(location, rank);
+        }
+    }
+    let places: Vec<u32> = vectors.keys().copied().collect();
+    found.extend(lens::fours(&places).into_iter().map(|first| {
+        let ranks = (first..).map_while(|location| vectors.get(&location)).take(4);
+        matrix(first, ranks.copied().min().unwrap_or_default())
+    }));
+    found
 }
 
 /// Returns the reason why a shader in which no matrix was found has no lens.

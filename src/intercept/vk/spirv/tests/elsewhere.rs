@@ -73,7 +73,7 @@ fn the_matrix_at_an_address_is_found() {
         let found = matrices(&shader(by_variable, false), true);
         let places: Vec<_> = found.iter().map(|matrix| (matrix.memory, matrix.offset)).collect();
         assert_eq!(places, [(Memory::PushedAddress { at: 8 }, 80)], "{by_variable}");
-        assert!(attribute_matrices(&shader(by_variable, false), true).is_empty());
+        assert!(attribute_matrices(&shader(by_variable, false), true, &[]).is_empty());
     }
 }
 
@@ -81,7 +81,7 @@ fn the_matrix_at_an_address_is_found() {
 fn the_matrix_that_is_an_attribute_is_found() {
     let words = shader(false, true);
     assert!(matrices(&words, true).is_empty());
-    let found: Vec<_> = attribute_matrices(&words, true).iter().map(|matrix| matrix.memory).collect();
+    let found: Vec<_> = attribute_matrices(&words, true, &[]).iter().map(|matrix| matrix.memory).collect();
     assert_eq!(found, [Memory::Attribute { location: 3 }]);
 }
 
