@@ -21,6 +21,7 @@ mod controls;
 mod culling;
 mod dialects;
 mod display;
+mod dynamic_size;
 mod edited;
 mod embedding;
 mod ending;
@@ -88,6 +89,7 @@ harness::tests! {
     controls,
     culling,
     dialects,
+    dynamic_size,
     embedding,
     edited,
     ending,

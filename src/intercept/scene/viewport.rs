@@ -1,6 +1,7 @@
 //! Viewports: the program's main picture, pictures within it, and pictures of the window's shape.
-//! [`parts`]: large parts of the window that pictures fill.
+//! [`parts`]: large parts of the window that pictures fill. [`alone`]: small viewports in images.
 
+pub mod alone;
 pub mod parts;
 
 use crate::correct::Size;

@@ -7,7 +7,8 @@
  * compute shader (compute), while the program reads it and its depths (pick), or as one face before
  * a background that a triangle fills (background). Or a small cube is drawn before a background whose
  * colours depend on the place: off screen by an input (gradient) or by FragCoord (placed), or in the
- * window (behind). Or with the newest ways to present (newest),
+ * window (behind). Or the cube is drawn to a part of the image, of 0.4 of its size (small) or 0.8
+ * (most), which a triangle shows. Or with the newest ways to present (newest),
  * with pipelines that are linked (library, parts, and with independent sets: independent), or with
  * a pass with a view mask (multiview). --picture writes the pixels that were read, of the window or
  * of the off-screen image. A swapchain that is suboptimal or out of date is created again. The
@@ -28,8 +29,12 @@
 #include "screen_frag.h"
 #include "screen_gradient.h"
 #include "screen_matrices.h"
+#include "screen_most.h"
+#include "screen_part_most.h"
+#include "screen_part_small.h"
 #include "screen_place.h"
 #include "screen_placed.h"
+#include "screen_small.h"
 #include "screen_vert.h"
 
 #include <stdio.h>
@@ -40,13 +45,13 @@ typedef enum {
     READ, PART, CLEAR, BEHIND, NEWEST, LIBRARY, PARTS, INDEPENDENT, MULTIVIEW,
     /* Ways that draw off screen: */
     POST, MATRICES, CHAIN, PLACE, BLIT, RESOLVE, PASSES, HALF, DEPTHS, COMPUTE, PICK, BACKGROUND,
-    GRADIENT, PLACED,
+    GRADIENT, PLACED, SMALL, MOST,
     WAYS
 } way_kind;
 static const char *const ways[WAYS] = {"read",  "part",  "clear", "behind", "newest",  "library", "parts", "independent", "multiview", "post",
                                        "matrices",
                                        "chain", "place", "blit",  "resolve", "passes",  "half",  "depths",    "compute",
-                                       "pick",  "background", "gradient", "placed"};
+                                       "pick",  "background", "gradient", "placed", "small", "most"};
 
 static struct {
     direction_options direction;
@@ -74,7 +79,7 @@ static void usage(void)
 {
     fprintf(stderr, "usage: vk_scenes " DIRECTION_USAGE " [--picture FILE.ppm]\n"
                     "  [--way read|part|clear|behind|newest|library|parts|independent|multiview|post|matrices|chain|place|blit|resolve|passes|half|depths|\n"
-                    "         compute|pick|background|gradient|placed]\n");
+                    "         compute|pick|background|gradient|placed|small|most]\n");
     exit(2);
 }
 
@@ -141,8 +146,14 @@ static void make_pipelines(void)
     if (w.has.libraries)
         cube_parts.libraries = options.way == LIBRARY ? 2 : options.way == PARTS || options.way == INDEPENDENT ? 4 : 0;
     const bool matrices = options.way == MATRICES;
-    pipeline_description screen_parts = {.vertex = matrices ? SHADER(screen_matrices) : SHADER(screen_vert),
-                                         .fragment = place ? SHADER(screen_place) : SHADER(screen_frag),
+    pipeline_description screen_parts = {.vertex = matrices                  ? SHADER(screen_matrices)
+                                                   : options.way == SMALL ? SHADER(screen_part_small)
+                                                   : options.way == MOST  ? SHADER(screen_part_most)
+                                                                          : SHADER(screen_vert),
+                                         .fragment = place                         ? SHADER(screen_place)
+                                                     : options.way == SMALL ? SHADER(screen_small)
+                                                     : options.way == MOST  ? SHADER(screen_most)
+                                                                            : SHADER(screen_frag),
                                          .layout = screen_layout,
                                          .color = w.format,
                                          .samples = VK_SAMPLE_COUNT_1_BIT};
@@ -369,10 +380,17 @@ static void set_window(VkExtent2D size)
     vkCmdSetScissor(commands, 0, 1, &scissor);
 }
 
+/* The part of the picture that the cube is drawn to. */
+static VkExtent2D part(void)
+{
+    const uint32_t tenths = options.way == SMALL ? 4 : options.way == MOST ? 8 : 10;
+    return (VkExtent2D){w.extent.width * tenths / 10, w.extent.height * tenths / 10};
+}
+
 static void draw_cube(matrix4 matrix)
 {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, cube.whole);
-    set_window(w.extent);
+    set_window(part());
     vkCmdPushConstants(commands, cube_layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof matrix, &matrix);
     vkCmdDraw(commands, options.way == BACKGROUND ? 6 : 36, 1, 0, 0);
 }

@@ -1,7 +1,7 @@
 #version 450
 /*
  * Shows a picture unchanged, or one colour (FILLED), or colours of the place: by an input (GRADIENT) or
- * by FragCoord in a window of 256 × 256 pixels (PLACED).
+ * by FragCoord in a window of 256 × 256 pixels (PLACED). PART: nothing beside this part is read.
  */
 #if !defined(FILLED) && !defined(GRADIENT) && !defined(PLACED)
 layout(set = 0, binding = 0) uniform sampler2D picture;
@@ -22,6 +22,8 @@ void main()
     result = vec4(at, 0.25, 1.0);
 #elif defined(PLACED)
     result = vec4(gl_FragCoord.xy / 256.0, 0.25, 1.0);
+#elif defined(PART)
+    result = texture(picture, min(at, PART - 0.5 / vec2(textureSize(picture, 0))));
 #elif defined(PLACE)
     result = texelFetch(picture, ivec2(gl_FragCoord.xy), 0);
 #else

@@ -18,6 +18,7 @@ use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::drawable::Drawable;
+use crate::intercept::gl::state::frame::Frame;
 use crate::intercept::gl::state::offscreen::coverage::Measure;
 use crate::intercept::gl::state::offscreen::images::{Name, Set};
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
@@ -63,9 +64,15 @@ pub fn draw(
     }
     let part = panel_part(&ctx.app, &ctx.shaders, &ctx.view_copies, index);
     let framebuffer = &mut ctx.view_copies.framebuffers[index];
-    framebuffer.has_scene |= part.is_none() && matches!(class, DrawClass::Scene(_) | DrawClass::FixedScene);
-    // An example is a display of the axes in a corner, after the scene was drawn.
-    let corner = part.filter(|_| framebuffer.has_scene && sampled == 0);
+    let in_perspective = matches!(class, DrawClass::Scene(_) | DrawClass::FixedScene);
+    framebuffer.has_scene |= part.is_none() && in_perspective;
+    if in_perspective {
+        framebuffer.viewports.note(ctx.app.viewport(), Frame::ended());
+    }
+    // Examples are a display of the axes in a corner, after the scene was drawn, and pictures side by
+    // side.
+    let beside = framebuffer.has_scene || framebuffer.viewports.are_several();
+    let corner = part.filter(|_| beside && sampled == 0);
     let class = if corner.is_some() { DrawClass::Flat } else { class };
     let shown = match ctx.queries.primitives() {
         true => Views::ALL,

@@ -28,7 +28,9 @@ pub fn decide(device: &Device) {
     let Some(layout) = device.swapchains.latest_layout() else { return };
     let (computed, measured) = device.scene_graph.is_computed(&chosen);
     let copied = !chosen.is_empty() && device.scene_graph.is_copied();
-    let (even, own_read) = (computed || copied, computed && measured || copied);
+    // The border of a part lies between texels of views that have another size.
+    let even = computed || copied || device.scene_graph.is_partial(&chosen);
+    let own_read = computed && measured || copied;
     let images = &device.images;
     let is_new = |known: &AtomicBool, now: bool| now && !known.swap(true, Ordering::Relaxed);
     if is_new(&images.even, even) | is_new(&images.own_read, own_read)

@@ -105,6 +105,7 @@ unsafe fn prepare(
     last: bool,
     ready: &mut Option<Vec<vk::Semaphore>>,
 ) -> bool {
+    device.scene_graph.end_frame();
     device.frame.locked().end(device.draws_views(), || off_screen(device));
     crate::intercept::vk::offscreen::coverage::take_results(device);
     crate::intercept::vk::offscreen::scene_graph::decide(device);

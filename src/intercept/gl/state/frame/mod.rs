@@ -110,6 +110,11 @@ impl Frame {
         self.last
     }
 
+    /// Number of frames that ended in all windows.
+    pub fn ended() -> u64 {
+        ENDED.load(Ordering::Relaxed)
+    }
+
     /// True if something was drawn since the last swap.
     pub fn begun(&self) -> bool {
         self.begun

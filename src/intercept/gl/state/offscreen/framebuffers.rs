@@ -6,6 +6,7 @@ use crate::backend::gl::driver::own_names;
 use crate::backend::gl::objects::framebuffers::FramebufferBindings;
 use crate::intercept::gl::state::offscreen::images::{self, Image, Name};
 use crate::intercept::scene::obstacle::Obstacle;
+use crate::intercept::scene::viewport::alone::Viewports;
 
 /// Greatest number of colour attachments that are followed.
 pub const COLOURS: usize = 8;
@@ -31,12 +32,22 @@ pub struct Framebuffer {
     pub view_copy: u32,
     /// True if a scene was drawn to the framebuffer since it was cleared.
     pub has_scene: bool,
+    /// Viewports that scenes are drawn to.
+    pub viewports: Viewports,
 }
 
 impl Framebuffer {
     /// Returns a framebuffer of which nothing is known.
     pub fn new(name: u32) -> Self {
-        Self { name, attachments: [None; COLOURS + 2], known: false, obstacle: None, view_copy: 0, has_scene: false }
+        Self {
+            name,
+            attachments: [None; COLOURS + 2],
+            known: false,
+            obstacle: None,
+            view_copy: 0,
+            has_scene: false,
+            viewports: Viewports::default(),
+        }
     }
 
     /// Returns the attached images.

@@ -3,7 +3,6 @@
 
 use crate::intercept::vk::commands::draws::rebind::restore;
 use crate::intercept::vk::commands::draws::replicate::{self, ProgramDraw};
-use crate::intercept::vk::commands::draws::tiles::is_main;
 use crate::intercept::vk::offscreen::scene_graph::{self, Cover};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
@@ -43,10 +42,11 @@ unsafe fn draw(device: &Device, buffer: vk::CommandBuffer, size: DrawSize, issue
 /// Notes how a draw in a pass of the program's own uses images that may hold a scene.
 fn note_candidate(device: &Device, recording: &mut Recording, pipeline: &Pipeline, size: &DrawSize) {
     let targets = recording.plain.iter().flatten();
-    let image = targets.filter_map(|target| device.images.size(*target)).next();
+    let image = targets.filter_map(|target| Some((*target, device.images.size(*target)?))).next();
     let viewport = pipeline.viewport.or(recording.graphics.viewport).unwrap_or_default();
-    let main_picture = image.is_some_and(|image| is_main(&viewport, image));
     let matrices = pipeline.variants.as_ref().map_or(&[][..], |variants| &variants.matrices);
+    let main_picture =
+        image.is_some_and(|(image, size)| device.scene_graph.is_main(image, &viewport, (size, !matrices.is_empty())));
     scene_graph::note_draw(
         device,
         recording,

@@ -19,7 +19,7 @@ use crate::intercept::vk::commands::draws::indirect;
 use crate::intercept::vk::commands::draws::parts;
 use crate::intercept::vk::commands::draws::rebind::{rebind, restore};
 use crate::intercept::vk::commands::draws::tiles::{
-    PerViewSet, ProgramWindow, TileDraws, cut_to_tile, is_main, move_to_tile,
+    PerViewSet, ProgramWindow, TileDraws, cut_to_tile, is_main, is_whole, move_to_tile,
 };
 use crate::intercept::vk::commands::passes::panel_clears::clear_pending;
 use crate::intercept::vk::offscreen::coverage::{self, Measurable, Shown};
@@ -35,7 +35,7 @@ use crate::intercept::vk::state::recording::draw_groups::{
 };
 use crate::intercept::vk::state::recording::draw_parameters::{DrawSize, IndirectDraw};
 use crate::intercept::vk::state::recording::{Event, Recording, count_draw};
-use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, ViewTile};
+use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect, ViewTile};
 use crate::intercept::vk::state::views::view_constants::ChunkOffset;
 use ash::vk;
 use glam::Vec2;
@@ -99,14 +99,26 @@ pub unsafe fn draw_to_views(draw: &ProgramDraw<'_>, recording: &mut Recording) {
         };
         let Classified { facts, program, sets, measured } = classified;
         let part = facts.part;
+        let spreads = facts.off_screen && !is_whole(&program.viewport, layout.window);
         let Some(selected) = select(draw, recording, variants, &layout, facts) else {
             return issue_flat(draw, recording, &layout);
         };
         let Selected { constants, views, on_panel, indirect, .. } = selected;
         let (device, buffer, pipeline, window) = (draw.device, draw.buffer, draw.pipeline, layout.window);
         part.into_iter().for_each(|part| parts::clear_part(device, buffer, &layout, part));
-        let mut tiles =
-            TileDraws { device, buffer, recording, pipeline, variants, constants, program, window, part, indirect };
+        let mut tiles = TileDraws {
+            device,
+            buffer,
+            recording,
+            pipeline,
+            variants,
+            constants,
+            program,
+            window,
+            part,
+            spreads,
+            indirect,
+        };
         let shown = |view: &usize| selected.shows(&layout, *view);
         issue(&mut tiles, &layout, (views, &shown), on_panel, sets, draw.issue);
         if let Some(block) = measured {
@@ -165,7 +177,13 @@ fn classify(
 ) -> Option<Classified> {
     let device = draw.device;
     let program = ProgramWindow::of(recording, draw.pipeline, layout);
-    let main = is_main(&program.viewport, layout.window);
+    let main = match recording.pass.as_ref().filter(|pass| !pass.target.window) {
+        None => is_main(&program.viewport, layout.window),
+        Some(pass) => {
+            let facts = (layout.window, !variants.matrices.is_empty());
+            device.scene_graph.is_main(pass.target.given, &program.viewport, facts)
+        }
+    };
     let covers = draw.size.may_cover_viewport();
     let first = draw.size.first_instance();
     let (sources, missing_lens) = lens_sources(draw, recording, variants, main);
@@ -197,13 +215,22 @@ fn classify(
     let in_views = own_lens || main && (screen || sky || variants.follows && may_be_behind);
     let given = !variants.matrices.is_empty() || !cameras.is_empty() || !sets.is_empty();
     let may_fill = off_screen || in_views && variants.backdrop && variants.fixed_position;
-    let fills = may_fill && main && covers && !pass.scene && !given && draw.pipeline.without_attributes;
+    let fills = may_fill
+        && (!off_screen || is_whole(&program.viewport, layout.window))
+        && main
+        && covers
+        && !pass.scene
+        && !given
+        && draw.pipeline.without_attributes;
     pass.scene |= !sources.is_empty() || screen || deep;
     let y_up = program.viewport.height < 0.0;
     if !sources.is_empty() {
         recording.y_up = y_up;
     }
-    let viewport = variants.moves_place.then(|| part.map_or_else(|| area(&program.viewport), Area::from));
+    // Off screen, a smaller viewport is in the same part of the view's image.
+    let whole = AtlasRect { x: 0, y: 0, width: layout.window.0 as i32, height: layout.window.1 as i32 };
+    let shown_part = part.or(off_screen.then_some(whole));
+    let viewport = variants.moves_place.then(|| shown_part.map_or_else(|| area(&program.viewport), Area::from));
     let facts = DrawFacts {
         sources,
         missing_lens,

@@ -60,6 +60,8 @@ pub struct TileDraws<'a> {
     pub(in crate::intercept::vk) window: (u32, u32),
     /// The part of the program's window that fills all of each view; `None`: its viewport.
     pub(in crate::intercept::vk) part: Option<AtlasRect>,
+    /// True if the viewport is a part of an image off screen. It is the same part of each view's image.
+    pub(in crate::intercept::vk) spreads: bool,
     /// The draw's parameters in memory, if the device reads them from there.
     pub(in crate::intercept::vk) indirect: Option<IndirectDraw>,
 }
@@ -103,7 +105,9 @@ impl TileDraws<'_> {
         let (viewport, scissor) = match tile.own_lens {
             true => (move_to_tile(viewport, tile.rect), cut_to_tile(scissor, tile.rect, self.window)),
             false => {
-                let spread = self.part.map(|part| spread(viewport, part, tile.rect));
+                let (width, height) = (self.window.0 as i32, self.window.1 as i32);
+                let whole = self.spreads.then_some(AtlasRect { x: 0, y: 0, width, height });
+                let spread = self.part.or(whole).map(|part| spread(viewport, part, tile.rect));
                 (spread.unwrap_or_else(|| fill_tile(viewport, tile.rect)), tile.rect.to_vk())
             }
         };
@@ -160,6 +164,12 @@ impl TileDraws<'_> {
 pub fn is_main(viewport: &vk::Viewport, (width, height): (u32, u32)) -> bool {
     let area = f64::from(width) * f64::from(height);
     scene::viewport::is_main(viewport.width.into(), viewport.height.abs().into(), area)
+}
+
+/// True if a viewport is as large as an image of this size.
+pub fn is_whole(viewport: &vk::Viewport, (width, height): (u32, u32)) -> bool {
+    let corner = [viewport.x, viewport.y + viewport.height.min(0.0)];
+    corner == [0.0; 2] && [viewport.width, viewport.height.abs()] == [width, height].map(|n| pixels(n as i32))
 }
 
 /// Returns a viewport moved to a tile.

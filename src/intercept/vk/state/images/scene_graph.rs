@@ -1,14 +1,16 @@
 //! Images of the program that hold a scene on its way to the window, as far as they have been
 //! found.
 
+use crate::correct::LowerLeftRect;
 use crate::intercept::scene::image_graph::{self, ImageGraph};
 use crate::intercept::scene::obstacle::SHOWN_SMALL;
+use crate::intercept::scene::viewport::{self, alone::Viewports};
 use crate::lock::Lock;
 use crate::rig::Duplicate;
 use ash::vk;
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 /// Greatest number of vertices of a draw that covers a viewport: one triangle, or a square.
 pub const COVERING_VERTICES: u32 = 6;
@@ -26,6 +28,8 @@ pub(in crate::intercept::vk) struct Seen {
     pub(in crate::intercept::vk) measured: HashSet<vk::Image>,
     /// Images that the program copies to memory, for example to find the object at a position.
     pub(in crate::intercept::vk) copied: HashSet<vk::Image>,
+    /// Images whose picture fills only a part of them.
+    pub(in crate::intercept::vk) partial: HashSet<vk::Image>,
     /// True if something new was found.
     pub(in crate::intercept::vk) news: bool,
 }
@@ -41,12 +45,51 @@ pub struct SceneGraph {
     /// Number of times that compute shaders or copies made a picture for the window that was not
     /// followed.
     unfollowed: AtomicU32,
+    /// Viewports that are drawn to in images: those of all draws, and those of draws with matrices.
+    viewports: Mutex<HashMap<vk::Image, [Viewports; 2]>>,
+    /// Number of frames that the program presented.
+    frames: AtomicU64,
 }
 
 impl SceneGraph {
     /// Begins to count such pictures anew, because the window is new or a picture is followed.
     pub(in crate::intercept::vk) fn begin_waiting(&self) {
         self.unfollowed.store(0, Ordering::Relaxed);
+    }
+
+    /// Ends a frame.
+    pub(in crate::intercept::vk) fn end_frame(&self) {
+        self.frames.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Returns whether a viewport shows the main picture of an image of this size: it has more than half
+    /// of the area, or is the only one, with the image's shape. Notes it for later draws.
+    /// `has_matrices`: of the draw.
+    pub(in crate::intercept::vk) fn is_main(
+        &self,
+        image: vk::Image,
+        viewport: &vk::Viewport,
+        (size, has_matrices): ((u32, u32), bool),
+    ) -> bool {
+        let [x, y, width, height] = [viewport.x, viewport.y, viewport.width, viewport.height].map(|n| n.round() as i32);
+        let rect = LowerLeftRect::new(x, y + height.min(0), width, height.saturating_abs());
+        let frame = self.frames.load(Ordering::Relaxed);
+        let mut all = self.viewports.locked();
+        let [of_all, of_matrices] = all.entry(image).or_default();
+        of_all.note(rect, frame);
+        if has_matrices {
+            of_matrices.note(rect, frame);
+        }
+        let seen = if of_matrices.are_unknown() { of_all } else { of_matrices };
+        let area = f64::from(size.0) * f64::from(size.1);
+        let main = viewport::is_main(width.into(), rect.height.into(), area)
+            || seen.are_only(rect) && viewport::has_shape_of_window(rect.size(), size);
+        if main && seen.are_only(rect) && rect.size() != size.into() {
+            let mut seen = self.seen.locked();
+            let news = seen.partial.insert(image);
+            seen.news |= news;
+        }
+        main
     }
 
     /// Notes that other images may be found now.
@@ -88,6 +131,11 @@ impl SceneGraph {
         (!seen.computed.is_disjoint(images), !seen.measured.is_disjoint(images))
     }
 
+    /// True if the picture of one of these images fills only a part of it.
+    pub(in crate::intercept::vk) fn is_partial(&self, images: &HashSet<vk::Image>) -> bool {
+        !self.seen.locked().partial.is_disjoint(images)
+    }
+
     /// Notes that the program copies `image` to memory.
     pub fn note_copied(&self, image: vk::Image) {
         let mut seen = self.seen.locked();
@@ -124,8 +172,10 @@ impl SceneGraph {
 
     /// Forgets a destroyed image.
     pub fn forget(&self, image: vk::Image) {
+        self.viewports.locked().remove(&image);
         let mut seen = self.seen.locked();
         seen.graph.forget(image);
+        seen.partial.remove(&image);
         seen.computed.remove(&image);
         seen.measured.remove(&image);
         seen.copied.remove(&image);
