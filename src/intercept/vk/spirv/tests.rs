@@ -1,5 +1,6 @@
 //! Tests of the splice and of the search for matrices, on handmade modules.
 
+mod backdrop;
 mod camera_matrices;
 mod compute;
 mod elsewhere;
