@@ -19,6 +19,7 @@
 #include "frames.h"
 #include "newest.h"
 #include "pipelines.h"
+#include "scenes_options.h"
 
 /* Compiled by glslangValidator. */
 #include "copy_comp.h"
@@ -41,24 +42,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef enum {
-    READ, PART, CLEAR, BEHIND, NEWEST, LIBRARY, PARTS, INDEPENDENT, MULTIVIEW,
-    /* Ways that draw off screen: */
-    POST, MATRICES, CHAIN, PLACE, BLIT, RESOLVE, PASSES, HALF, DEPTHS, COMPUTE, PICK, BACKGROUND,
-    GRADIENT, PLACED, SMALL, MOST,
-    WAYS
-} way_kind;
-static const char *const ways[WAYS] = {"read",  "part",  "clear", "behind", "newest",  "library", "parts", "independent", "multiview", "post",
-                                       "matrices",
-                                       "chain", "place", "blit",  "resolve", "passes",  "half",  "depths",    "compute",
-                                       "pick",  "background", "gradient", "placed", "small", "most"};
-
-static struct {
-    direction_options direction;
-    way_kind way;
-    const char *picture;
-} options = {.direction = DIRECTION_DEFAULTS};
-
 static vulkan_window w;
 static picture depth, samples, scenes[2], small;
 static VkDescriptorSetLayout set_layout, compute_set_layout;
@@ -74,30 +57,6 @@ static frame_objects objects;
 static VkCommandBuffer commands;
 static VkSemaphore timeline;
 static block read_back, depths_back;
-
-static void usage(void)
-{
-    fprintf(stderr, "usage: vk_scenes " DIRECTION_USAGE " [--picture FILE.ppm]\n"
-                    "  [--way read|part|clear|behind|newest|library|parts|independent|multiview|post|matrices|chain|place|blit|resolve|passes|half|depths|\n"
-                    "         compute|pick|background|gradient|placed|small|most]\n");
-    exit(2);
-}
-
-static void parse(int argc, char **argv)
-{
-    for (int i = 1; i + 1 < argc; i += 2) {
-        const char *option = argv[i], *value = argv[i + 1];
-        if (strcmp(option, "--picture") == 0)
-            options.picture = value;
-        else if (strcmp(option, "--way") == 0) {
-            const int way = choice(value, ways, WAYS);
-            if (way < 0)
-                usage();
-            options.way = (way_kind)way;
-        } else if (!take_direction(&options.direction, option, value))
-            usage();
-    }
-}
 
 static bool off_screen(void)
 {

@@ -3,7 +3,9 @@
 //! Loads of the built-in variable become loads of a variable of Cupola. A function of Cupola, which
 //! becomes the entry point's function, sets that variable: it subtracts an offset from the driver's
 //! value and multiplies by a scale, both from the view constants. Then it calls the program's
-//! function.
+//! function. [`backdrop`]: inputs of another place.
+
+pub mod backdrop;
 
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::spirv::functions::{Additions, push};
@@ -59,7 +61,7 @@ pub fn frag_coord(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<O
 ///
 /// # Errors
 /// The variable, or a part of it, is used for more than loads.
-pub(super) fn chains(all: &[Instruction<'_>], given: u32) -> Result<Vec<(u32, u32)>, Obstacle> {
+fn chains(all: &[Instruction<'_>], given: u32) -> Result<Vec<(u32, u32)>, Obstacle> {
     let is_chain = |i: &&Instruction<'_>| i.is(Op::AccessChain) || i.is(Op::InBoundsAccessChain);
     let chains: Vec<(u32, u32)> =
         all.iter().filter(|i| is_chain(i) && i.operand(2) == given).map(|i| (i.operand(1), i.operand(0))).collect();
@@ -116,7 +118,7 @@ fn variables(to: &mut Additions<'_>, vector: u32, (set, offset): (u32, u32)) -> 
 ///
 /// # Errors
 /// A type is not known.
-pub(super) fn private_pointers(
+fn private_pointers(
     to: &mut Additions<'_>,
     declared: &Declarations<'_>,
     chains: &[(u32, u32)],

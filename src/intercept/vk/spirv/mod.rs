@@ -5,7 +5,6 @@
 //! exports of this file.
 
 mod addresses;
-mod backdrop;
 mod camera_matrices;
 mod compute;
 mod dependence;
@@ -16,9 +15,9 @@ mod reflect;
 mod splice;
 mod texels;
 
-pub use backdrop::{BACKDROP_VECTORS, backdrop};
 pub use camera_matrices::{CAMERA_BYTES, Chosen, MOST_CAMERAS, camera_matrices};
 pub use compute::{BufferWrites, ComputeUse, compute_use, without_writes};
+pub use frag_coord::backdrop::{BACKDROP_VECTORS, backdrop};
 pub use frag_coord::frag_coord;
 pub use reflect::{Matrix, Memory, asks_place, attribute_matrices, has_fixed_position, matrices, missing_lens};
 pub use splice::splice;
