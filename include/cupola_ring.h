@@ -31,8 +31,9 @@
  * 6. at the end sets its STATE to FREE, releases the lock, adds 1 to TAKEN, and wakes it.
  *
  * A program that waits for its readers (CUPOLA_PUBLISH_WAIT=1) loses no frame. Otherwise a reader
- * that is slower than the program loses frames, and the program never waits. While all entries are FREE, it
- * may publish only some of its frames, at least about ten a second if it draws so many.
+ * that is slower than the program loses frames, and the program never waits. While all entries are
+ * FREE, it may publish only some of its frames, at least about ten a second if it draws so many. If
+ * it draws no more, the newest frame is then up to 0.1 s older than the last one that it drew.
  */
 #ifndef CUPOLA_RING_H
 #define CUPOLA_RING_H

@@ -216,10 +216,9 @@ fn ramps_follow_the_file_on_vulkan() {
     Case::vulkan(Run::new("vk_cube"), "vulkan").follows(ramps);
 }
 
-/// Other views: the program makes a new swapchain and keeps the images to which it draws its scene.
 /// The program has recorded its commands before the change, and makes no new swapchain.
 fn the_camera_follows_the_file_on_vulkan() {
-    Case::vulkan(Run::new("vk_cube"), "camera-on-vulkan").follows(camera);
+    Case::vulkan(Run { extra: &["--once"], ..Run::new("vk_cube") }, "camera-on-vulkan").follows(camera);
 }
 
 /// The program makes no new swapchain, so its window keeps its views. The viewer is lower, so the
@@ -249,6 +248,7 @@ fn directions_without_a_view_are_black() {
     case.follows_as(viewer, alike_or_black);
 }
 
+/// Other views: the program makes a new swapchain and keeps the images to which it draws its scene.
 fn scenes_off_screen_follow_the_file_on_vulkan() {
     for way in ["post", "chain", "blit"] {
         let extra = ["--way", way];

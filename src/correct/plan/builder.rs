@@ -77,6 +77,11 @@ pub(in crate::correct) fn build_over(rig: &Rig, request: &Request, views: ViewPl
     let sizes = sizes.as_slice();
     let domes = by_method::dome_meshes(rig, sizes)?;
     let mut pictures = pictures(rig, sizes, flips.zip(std::iter::repeat(None)), cache)?;
+    // Other machines show their outputs over views of their own.
+    let mut request = request.clone();
+    let outputs = request.output_sizes.iter_mut().zip(&rig.outputs);
+    outputs.filter(|(_, output)| !output.here).for_each(|(size, _)| *size = (0, 0));
+    let request = &request;
     let examined = examine(rig, request, &pictures, &views, cache);
     for (index, (picture, examined)) in pictures.iter_mut().zip(&examined).enumerate() {
         if !examined.unseen.is_empty() || examined.beyond.iter().any(Option::is_some) {

@@ -17,7 +17,7 @@ const SLOTS: usize = 4;
 /// counts as gone.
 const GONE: u32 = 30;
 
-/// Least time between frames that nobody reads, in nanoseconds: so a later reader finds a newest frame, and they cost
+/// Least time between frames that nobody reads, in nanoseconds: so a later reader finds a recent frame, and they cost
 /// little.
 const UNREAD: u64 = 100_000_000;
 

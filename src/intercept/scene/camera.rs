@@ -32,6 +32,8 @@ pub struct Cameras {
     fixed: Option<(Intrinsics, u8)>,
     /// Number of times that the lenses of [`Cameras::shown`] changed.
     changes: u64,
+    /// Number of times that the adaptation of the program's camera changed.
+    adjustments: u64,
 }
 
 /// A lens counts as shown in the frame that is drawn with it and in the next one.
@@ -108,7 +110,7 @@ impl Cameras {
 
     /// Ends a frame: forgets lenses that it did not use.
     pub fn end_frame(&mut self) {
-        let Self { list, spare, fixed, changes } = self;
+        let Self { list, spare, fixed, changes, .. } = self;
         if let Some((_, frames)) = fixed {
             *frames -= 1;
             if *frames == 0 {
@@ -126,6 +128,22 @@ impl Cameras {
             }
             used
         });
+    }
+
+    /// Computes the matrices of all lenses again, because the adaptation of the program's camera
+    /// changed.
+    pub fn adjust(&mut self, session: &Session) {
+        self.changes += 1;
+        self.adjustments += 1;
+        for Camera { intrinsics, reprojections, .. } in &mut self.list {
+            reprojections.clear();
+            reprojections.extend(session.rows(intrinsics).map(|rows| ReprojectionMatrix::of(&rows)));
+        }
+    }
+
+    /// Number of times that [`Cameras::adjust`] was called.
+    pub fn adjustments(&self) -> u64 {
+        self.adjustments
     }
 
     /// Forgets everything, because the views changed.

@@ -51,14 +51,17 @@ impl Frame {
     fn follow(&mut self, layout: &Arc<AtlasLayout>) {
         if self.layout.as_ref().is_none_or(|known| !known.has_views_of(layout)) {
             self.layout = Some(Arc::clone(layout));
-            self.forget_cameras();
+            self.cameras.clear();
+            self.sampled = None;
             self.behind_part = None;
         }
     }
 
-    /// Forgets what was computed with the adaptation of the program's camera.
-    pub fn forget_cameras(&mut self) {
-        self.cameras.clear();
+    /// Computes again what depends on the adaptation of the program's camera.
+    pub fn adjust_cameras(&mut self) {
+        if let Some(layout) = &self.layout {
+            self.cameras.adjust(&layout.session);
+        }
         self.sampled = None;
     }
 }
@@ -152,7 +155,7 @@ fn sample_scale(device: &Device, group: &DrawGroup) -> SampleScale {
     let views = if group.facts.in_views { &layout.views[..] } else { &[] };
     let repeated = f64::from(u8::from(layout.primary.is_some()));
     let same = repeated + views.iter().filter(|view| view.own_lens).count() as f64;
-    let seen = match group.last {
+    let seen = match group.last.map(|(class, _)| class) {
         Some(DrawClass::Scene(lens)) => repeated + frame.samples(&lens, layout, of_window) / of_window,
         Some(DrawClass::Screen | DrawClass::Backdrop(_)) => {
             let shown = group.facts.part.map_or(own, AtlasRect::area);
@@ -162,7 +165,7 @@ fn sample_scale(device: &Device, group: &DrawGroup) -> SampleScale {
         // The draw covers the area of the panel in the views, which is about as large as the panel.
         _ => same.max(1.0),
     };
-    SampleScale { factor: 1.0 / seen, of_scene: !matches!(group.last, Some(DrawClass::Flat)) }
+    SampleScale { factor: 1.0 / seen, of_scene: !matches!(group.last, Some((DrawClass::Flat, _))) }
 }
 
 /// Decides the class of a group, and writes its view constants and the parameters of its draws into
@@ -194,8 +197,9 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
         _ => None,
     };
     camera.into_iter().for_each(|index| frame.cameras.show(index));
-    if group.last != Some(outcome) || functions_changed {
-        group.last = Some(outcome);
+    let written = Some((outcome, frame.cameras.adjustments()));
+    if group.last != written || functions_changed {
+        group.last = written;
         if outcome == DrawClass::Behind {
             frame.prepare_behind(&group.layout);
         }

@@ -15,12 +15,11 @@ use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::views::vertices::VertexProcessing;
 use crate::intercept::vk::swapchain::swaps;
 use crate::lock::Lock;
-use crate::rig::{Camera, Duplicate, Method, Rig};
+use crate::rig::{Duplicate, Method, Rig};
 use ash::prelude::VkResult;
 use ash::vk::{self, Handle};
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
 
 impl Swapchain {
     /// Returns image number `index` of the program.
@@ -29,81 +28,6 @@ impl Swapchain {
             Some(stand_in) => stand_in.given(index),
             None => self.real.get(index).copied(),
         }
-    }
-
-    /// Applies the rig as its file is now, before a picture is made. Returns whether the program
-    /// should be asked for a new swapchain. While somebody edits the rig, that has to wait until the
-    /// rig rests.
-    ///
-    /// # Safety
-    /// The device must be live, and no other thread may present this swapchain meanwhile.
-    pub unsafe fn follow_rig(&mut self, device: &Device) -> bool {
-        let lacks_own = self.stand_in.as_ref().is_some_and(|s| device.pipelines.write() && !s.layout.read);
-        let version = live::version();
-        if self.stand_in.is_some() && !self.failed && self.version != version {
-            self.version = version;
-            // SAFETY: as promised.
-            let adopted = live::rig().map_or(Ok(false), |live| unsafe { self.adopt(device, &live) });
-            match adopted {
-                Ok(true) => self.outdated = Some(Instant::now()),
-                Ok(false) => {}
-                Err(error) => log::once(&format!("Vulkan: the rig stays as it was: {}", error.message)),
-            }
-        }
-        let rest = if settings::settings().is_some_and(Settings::is_watched) { live::REST } else { Duration::ZERO };
-        self.outdated.take_if(|since| since.elapsed() >= rest).is_some() || lacks_own
-    }
-
-    /// Shows another rig. The program's images and recorded commands fit the views that they have, so
-    /// the correction is made again over these. What the views show of the program's world is decided
-    /// when commands are submitted, so a changed camera is followed as well, unless another lens is
-    /// given. Returns whether a new swapchain would show another picture. If planning or making
-    /// fails, nothing changes.
-    ///
-    /// # Safety
-    /// As for [`Swapchain::follow_rig`].
-    unsafe fn adopt(&mut self, device: &Device, live: &Live) -> Result<bool> {
-        let Some(stand_in) = &mut self.stand_in else { return Ok(false) };
-        let (old, camera) = (Arc::clone(&stand_in.layout), live.rig.camera);
-        let known = old.session.program_camera();
-        let follows = (known.lens, known.answer_wide) == (camera.lens, camera.answer_wide);
-        let same_views = live.rig.has_views_of(old.session.rig());
-        let rig = old.session.rig();
-        if follows && *rig == (Rig { camera: rig.camera, ..(*live.rig).clone() }) {
-            self.set_camera(device, camera, live.version);
-            return Ok(false);
-        }
-        let layout = if follows { old.over(&live.rig)? } else { None };
-        let shown = layout.is_some();
-        match layout {
-            // SAFETY: as promised.
-            Some(layout) => unsafe {
-                stand_in.adopt(device, Arc::new(AtlasLayout { version: live.version, ..layout }))?;
-                self.set_camera(device, camera, live.version);
-            },
-            // A new swapchain shows the rig only if it can be planned.
-            None => drop(plan(device, &live.rig, old.window, old.read)?),
-        }
-        if !(shown && same_views) {
-            log::once(match shown {
-                true => {
-                    "Vulkan: a changed rig is shown over the views that the window has; they are planned anew for the \
-                     program's next swapchain, as after a change of size"
-                }
-                false => {
-                    "Vulkan: the rig's views have changed; a window follows when the program makes its next \
-                     swapchain, as after a change of size"
-                }
-            });
-        }
-        Ok(!(shown && same_views))
-    }
-
-    /// Draws by another adaptation of the program's camera from the next submission on.
-    fn set_camera(&mut self, device: &Device, camera: Camera, version: u64) {
-        self.stand_in.iter().flat_map(StandIn::sessions).for_each(|session| session.set_camera(camera));
-        device.frame.locked().forget_cameras();
-        self.shown = version;
     }
 
     /// Returns the source of the next picture of image `index`; `None` if the image is presented
@@ -120,7 +44,16 @@ impl Swapchain {
 }
 
 /// Plans a rig for a window. The log reports outputs that are made by another method.
-fn plan(device: &Device, rig: &Rig, size: (u32, u32), read: bool) -> Result<AtlasLayout> {
+pub(super) fn plan(device: &Device, rig: &Rig, size: (u32, u32), read: bool) -> Result<AtlasLayout> {
+    report_methods(device, rig);
+    if rig.views.duplicate == Duplicate::InTurn {
+        log::once("Vulkan: views are not drawn in turn: off-screen drawing is followed as with duplicate \"auto\"");
+    }
+    AtlasLayout::new(rig, size, device.driver.greatest_image(), read, device.role.vertices.vertices)
+}
+
+/// Reports outputs that are made by another method than their own.
+pub(super) fn report_methods(device: &Device, rig: &Rig) {
     let vertices = device.role.vertices.vertices;
     let projects = vertices != VertexProcessing::Views;
     let undivided = device.role.vertices.undivided.as_ref().and_then(Obstacle::reason);
@@ -133,10 +66,6 @@ fn plan(device: &Device, rig: &Rig, size: (u32, u32), read: bool) -> Result<Atla
     for why in reasons.into_iter().flatten() {
         log::once(&format!("Vulkan: {why}: outputs that ask for it are made by method \"fragment\" instead"));
     }
-    if rig.views.duplicate == Duplicate::InTurn {
-        log::once("Vulkan: views are not drawn in turn: off-screen drawing is followed as with duplicate \"auto\"");
-    }
-    AtlasLayout::new(rig, size, device.driver.greatest_image(), read, vertices)
 }
 
 /// Returns the reason why a swapchain is left alone; `None` if it is not.
@@ -329,6 +258,7 @@ unsafe fn build(
         failed,
         version,
         shown: version,
+        coming: None,
         outdated: None,
     })
 }

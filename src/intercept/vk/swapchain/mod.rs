@@ -12,6 +12,7 @@
 //! ```
 
 pub mod create;
+mod follow;
 mod images;
 pub mod present;
 pub mod publish;

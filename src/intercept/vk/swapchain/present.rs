@@ -7,7 +7,7 @@ use crate::intercept::inspection::last_frame::{self, LastFrame};
 use crate::intercept::process::clock;
 use crate::intercept::process::ending;
 use crate::intercept::process::settings::Settings;
-use crate::intercept::process::{live, log, nodes, publishing, settings};
+use crate::intercept::process::{log, nodes, publishing, settings};
 use crate::intercept::scene::flat_program::OffScreen;
 use crate::intercept::vk::state::device;
 use crate::intercept::vk::state::device::Device;
@@ -161,7 +161,7 @@ impl Presentation<'_> {
         if let PictureOutcome::Submitted(signal) = made {
             self.submitted(Some(signal));
         }
-        if publishing::wants(handle.as_raw(), live::known_version()) {
+        if publishing::wants(handle.as_raw(), managed.shown) {
             // SAFETY: as promised.
             unsafe { self.publish(managed, index) };
         }

@@ -147,8 +147,8 @@ pub struct DrawGroup {
     /// Slots of view constants with which it is in sight, one bit for each. Slots from 63 on are
     /// always in sight.
     pub(in crate::intercept::vk) in_sight: u64,
-    /// Draw class that was written last, with its lens.
-    pub(in crate::intercept::vk) last: Option<DrawClass>,
+    /// Draw class that was written last, with its lens, and [`Cameras::adjustments`] then.
+    pub(in crate::intercept::vk) last: Option<(DrawClass, u64)>,
     pub(in crate::intercept::vk) matrices: Vec<(u8, DMat4)>,
     pub(in crate::intercept::vk) lens: Option<(Told, &'static str)>,
     /// Matrices of its shaders that are functions of the camera.

@@ -104,6 +104,8 @@ pub struct Swapchain {
     pub(in crate::intercept::vk) version: u64,
     /// Version of the rig's file that its pictures show.
     pub(in crate::intercept::vk) shown: u64,
+    /// Version that the pictures from the next one on show, if they differ in the camera.
+    pub(in crate::intercept::vk) coming: Option<u64>,
     /// Time of the last change of the rig that only a new swapchain shows as it is planned; `None`:
     /// there is none, or the program was asked for one since.
     pub(in crate::intercept::vk) outdated: Option<Instant>,

@@ -1,6 +1,7 @@
 //! How the shaders of a device process vertices.
 
 use crate::intercept::scene::obstacle::Obstacle;
+use crate::rig::{Method, Rig};
 
 /// Kind of vertex processing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,6 +12,17 @@ pub enum VertexProcessing {
     Projected,
     /// In addition, primitives between the vertices can be divided.
     Divided,
+}
+
+impl VertexProcessing {
+    /// Returns the rig with methods that are served: the others become `fragment`.
+    pub fn rig(self, rig: &Rig) -> Rig {
+        match self {
+            Self::Views => rig.with_views_for(Method::projects_vertices),
+            Self::Projected => rig.with_views_for(Method::divides),
+            Self::Divided => rig.clone(),
+        }
+    }
 }
 
 /// Vertex processing of a device's shaders, with reasons.
