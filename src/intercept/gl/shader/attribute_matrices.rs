@@ -57,23 +57,17 @@ pub fn of_program(gl: &Gl, program: u32, position: Option<&PositionNames>) -> Ve
     found
 }
 
-/// Number of reads after which vectors without a lens are no longer read: a buffer that is written for
-/// each draw would be waited for each time.
-const MOST_MISSES: u8 = 60;
-
 /// Returns the lens of the present draw.
 pub fn lens(ctx: &mut Context, matrices: &mut [AttributeMatrix]) -> FoundLens {
     let mut readable = true;
     for matrix in &mut *matrices {
         if matrix.declared {
             readable &= read(ctx, matrix).is_some();
-        } else if matrix.misses < MOST_MISSES {
-            let known = read(ctx, matrix).is_some();
-            let lens = Candidate::either(matrix.rank, &matrix.value).lens().filter(|_| known);
-            matrix.misses = if lens.is_some() { 0 } else { matrix.misses + 1 };
-            // Vectors of vertices are no matrix, and neither are colours of instances.
-            if lens.is_none() {
-                (matrix.value, matrix.read) = (DMat4::ZERO, None);
+        } else if matrix.is_due() {
+            match read(ctx, matrix) {
+                Some(Read::Anew) => matrix.examine_vectors(),
+                Some(Read::Before) => {}
+                None => (matrix.value, matrix.read) = (DMat4::ZERO, None),
             }
         }
     }
@@ -84,8 +78,16 @@ pub fn lens(ctx: &mut Context, matrices: &mut [AttributeMatrix]) -> FoundLens {
     }
 }
 
+/// Time when the value of a matrix was read.
+enum Read {
+    /// Now.
+    Anew,
+    /// Before; it did not change since.
+    Before,
+}
+
 /// Reads a matrix again if it may have changed. `None`: the matrix cannot be read.
-fn read(ctx: &mut Context, matrix: &mut AttributeMatrix) -> Option<()> {
+fn read(ctx: &mut Context, matrix: &mut AttributeMatrix) -> Option<Read> {
     let (gl, profile) = (ctx.driver.gl, ctx.driver.profile);
     if !vertex_arrays::is_on(&ctx.driver, &mut ctx.vertex_input, matrix.location) {
         if !matrix.declared {
@@ -101,7 +103,7 @@ fn read(ctx: &mut Context, matrix: &mut AttributeMatrix) -> Option<()> {
             unsafe { gl.get_vertex_attribfv(location, api::GL_CURRENT_VERTEX_ATTRIB, column.as_mut_ptr()) };
         }
         (matrix.value, matrix.read) = (value.as_dmat4(), None);
-        return Some(());
+        return Some(Read::Anew);
     }
     let instance = ctx.draw.first_instance() as usize;
     let mut layouts = [None; 4];
@@ -114,7 +116,7 @@ fn read(ctx: &mut Context, matrix: &mut AttributeMatrix) -> Option<()> {
     let same_buffer = layouts.iter().all(|layout| layout.buffer == layouts[0].buffer);
     let read = version.filter(|_| same_buffer).map(|version| (layouts, version));
     if read.is_some() && matrix.read == read {
-        return Some(());
+        return Some(Read::Before);
     }
     for (number, layout) in layouts.iter().enumerate() {
         let position = if layout.buffer == 0 {
@@ -128,5 +130,5 @@ fn read(ctx: &mut Context, matrix: &mut AttributeMatrix) -> Option<()> {
         *matrix.value.col_mut(number) = position.into();
     }
     matrix.read = read;
-    Some(())
+    Some(Read::Anew)
 }
