@@ -31,7 +31,7 @@ pub fn pipeline(device: &Device, own: vk::Pipeline, parts: &Parts<'_>, variants:
         viewport: parts.viewport().or_else(|| linked.iter().find_map(|library| library.viewport)),
         scissor: parts.scissor().or_else(|| linked.iter().find_map(|library| library.scissor)),
         columns: parts.columns().into_iter().chain(linked.iter().flat_map(|l| l.columns.iter().copied())).collect(),
-        without_attributes: parts.attributes() == Some(0) || linked.iter().any(|library| library.without_attributes),
+        bare_triangles: parts.has_bare_triangles() || linked.iter().any(|library| library.bare_triangles),
     }
 }
 

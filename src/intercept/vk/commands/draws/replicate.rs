@@ -221,7 +221,8 @@ fn classify(
         && covers
         && !pass.scene
         && !given
-        && draw.pipeline.without_attributes;
+        && draw.pipeline.bare_triangles
+        && program.is_uncut(layout.window);
     pass.scene |= !sources.is_empty() || screen || deep;
     let y_up = program.viewport.height < 0.0;
     if !sources.is_empty() {

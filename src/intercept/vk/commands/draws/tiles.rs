@@ -47,6 +47,20 @@ impl ProgramWindow {
     }
 }
 
+impl ProgramWindow {
+    /// True if the scissor cuts nothing of the viewport in an image of this size.
+    pub fn is_uncut(&self, (width, height): (u32, u32)) -> bool {
+        let Self { viewport: v, scissor: s } = self;
+        let axis = |(start, length): (f32, f32), size: u32, offset: i32, extent: u32| {
+            let (start, end) = (f64::from(start), f64::from(start) + f64::from(length));
+            let (start, end) = (start.min(end).max(0.0), start.max(end).min(size.into()));
+            f64::from(offset) <= start && end <= f64::from(offset) + f64::from(extent)
+        };
+        axis((v.x, v.width), width, s.offset.x, s.extent.width)
+            && axis((v.y, v.height), height, s.offset.y, s.extent.height)
+    }
+}
+
 /// Draws into the tiles of an atlas.
 pub struct TileDraws<'a> {
     pub(in crate::intercept::vk) device: &'a Device,
@@ -211,7 +225,7 @@ pub fn cut_to_tile(scissor: &vk::Rect2D, tile: AtlasRect, window: (u32, u32)) ->
 
 #[cfg(test)]
 mod tests {
-    use super::{cut_to_tile, fill_tile, spread};
+    use super::{ProgramWindow, cut_to_tile, fill_tile, spread};
     use crate::intercept::vk::state::views::atlas_layout::AtlasRect;
     use ash::vk;
 
@@ -223,6 +237,17 @@ mod tests {
         assert_eq!(cut_to_tile(&scissor(20, 30, 50, 40), tile, (200, 100)), scissor(1020, 40, 50, 40));
         assert_eq!(cut_to_tile(&scissor(150, 0, 5000, u32::MAX), tile, (200, 100)), scissor(1150, 10, 50, 100));
         assert_eq!(cut_to_tile(&scissor(300, 0, 10, 10), tile, (200, 100)).extent.width, 0);
+    }
+
+    #[test]
+    fn a_scissor_that_cuts_the_viewport_is_noticed() {
+        let viewport = vk::Viewport { x: -10.0, y: 90.0, width: 200.0, height: -90.0, min_depth: 0.0, max_depth: 1.0 };
+        let uncut = |x, y, width, height| {
+            let scissor = vk::Rect2D { offset: vk::Offset2D { x, y }, extent: vk::Extent2D { width, height } };
+            ProgramWindow { viewport, scissor }.is_uncut((160, 100))
+        };
+        assert!(uncut(0, 0, 160, 90) && uncut(-20, 0, i32::MAX as u32, u32::MAX));
+        assert!(!uncut(1, 0, 159, 90) && !uncut(0, 0, 159, 90) && !uncut(0, 0, 160, 89) && !uncut(0, 1, 160, 90));
     }
 
     #[test]

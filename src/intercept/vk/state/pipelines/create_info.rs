@@ -104,6 +104,18 @@ impl<'a> Parts<'a> {
         self.vertex_input().map(|state| state.vertex_attribute_description_count)
     }
 
+    /// True if this part describes triangles whose vertices have no attributes. If commands set the
+    /// kind of primitives, only its class is given here.
+    pub fn has_bare_triangles(&self) -> bool {
+        use vk::PrimitiveTopology as T;
+        let described = self.flags.contains(Flags::VERTEX_INPUT_INTERFACE);
+        let assembly = Some(self.info.p_input_assembly_state).filter(|_| described);
+        // SAFETY: the program's pointer, to a part that is described here.
+        let assembly = assembly.and_then(|assembly| unsafe { assembly.as_ref() });
+        let triangles = [T::TRIANGLE_LIST, T::TRIANGLE_STRIP, T::TRIANGLE_FAN];
+        self.attributes() == Some(0) && assembly.is_some_and(|assembly| triangles.contains(&assembly.topology))
+    }
+
     /// Attributes of instances that may be columns of a matrix.
     pub fn columns(&self) -> Vec<InstanceColumn> {
         let Some(state) = self.vertex_input() else { return Vec::new() };
@@ -222,6 +234,23 @@ mod tests {
         let parts = unsafe { Parts::of(&info) };
         assert!(parts.stages.is_empty() && parts.viewports.is_none() && parts.depth.is_none() && parts.blend.is_some());
         assert!(parts.is_seen() && !parts.places_vertices() && !parts.shades());
+    }
+
+    #[test]
+    fn lines_and_vertices_with_attributes_are_no_bare_triangles() {
+        use vk::PrimitiveTopology as T;
+        let bare = |topology, attributes: &[vk::VertexInputAttributeDescription]| {
+            let input = vk::PipelineVertexInputStateCreateInfo::default().vertex_attribute_descriptions(attributes);
+            let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(topology);
+            let info = vk::GraphicsPipelineCreateInfo::default();
+            let info = info.vertex_input_state(&input).input_assembly_state(&assembly);
+            // SAFETY: the pointers are valid or null.
+            unsafe { Parts::of(&info) }.has_bare_triangles()
+        };
+        assert!(bare(T::TRIANGLE_LIST, &[]) && bare(T::TRIANGLE_STRIP, &[]));
+        assert!(
+            !bare(T::LINE_LIST, &[]) && !bare(T::POINT_LIST, &[]) && !bare(T::TRIANGLE_LIST, &[Default::default()])
+        );
     }
 
     #[test]

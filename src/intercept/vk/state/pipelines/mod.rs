@@ -75,8 +75,8 @@ pub struct Pipeline {
     pub(in crate::intercept::vk) viewport: Option<vk::Viewport>,
     /// The program's scissor, unless it is set by commands.
     pub(in crate::intercept::vk) scissor: Option<vk::Rect2D>,
-    /// True if its vertices have no attributes.
-    pub(in crate::intercept::vk) without_attributes: bool,
+    /// True if it draws triangles whose vertices have no attributes.
+    pub(in crate::intercept::vk) bare_triangles: bool,
     /// Attributes of instances that may be columns of a matrix.
     pub(in crate::intercept::vk) columns: Vec<InstanceColumn>,
 }
