@@ -96,6 +96,7 @@ impl Framebuffer {
         }
         if attachments != self.attachments {
             self.attachments = attachments;
+            self.viewports = Viewports::default();
             self.destroy_view_copy(gl);
         }
     }
