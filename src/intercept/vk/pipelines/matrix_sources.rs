@@ -86,13 +86,14 @@ pub unsafe fn before_rasterisation(
         if stage.stage == vk::ShaderStageFlags::VERTEX {
             attributes.extend(spirv::attribute_matrices(&words, of_position, &locations));
         }
-        if matrices.is_empty() && attributes.is_empty() {
+        if matrices.is_empty() && !attributes.iter().any(|attribute| attribute.memory.has_matrix()) {
             missing = missing.max(spirv::missing_lens(&words));
         }
     }
     if matrices.is_empty() && !attributes.is_empty() {
         device.host_memory.keep_vertices();
-        return (attributes, MissingLens::Attribute);
+        let declared = attributes.iter().any(|attribute| attribute.memory.has_matrix());
+        return (attributes, if declared { MissingLens::Attribute } else { missing });
     }
     (matrices, missing)
 }
@@ -100,7 +101,7 @@ pub unsafe fn before_rasterisation(
 /// Returns the location of a shader's matrix, in the descriptors, push constants and vertex buffers
 /// that are bound. `first_instance`: of a draw with the bound pipeline.
 pub fn source(device: &Device, recording: &Recording, matrix: &Matrix, first_instance: u32) -> Option<MatrixSource> {
-    if let Memory::Attribute { location } = matrix.memory {
+    if let Memory::Attribute { location, .. } = matrix.memory {
         return of_instance(&recording.graphics, matrix, location, first_instance);
     }
     let bound = |set: u32| recording.graphics.bound.get(set as usize)?.as_ref();

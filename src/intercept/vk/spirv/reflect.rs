@@ -38,6 +38,8 @@ pub enum Memory {
     Attribute {
         /// Location of the first column.
         location: u32,
+        /// True if it is declared as a matrix. If not, four vectors may be its columns.
+        declared: bool,
     },
 }
 
@@ -58,6 +60,11 @@ impl Memory {
             Self::PushedAddress { .. } | Self::AddressInBuffer { .. } => MissingLens::Address,
             Self::Attribute { .. } => MissingLens::Attribute,
         }
+    }
+
+    /// True if a matrix is here. False: only vectors that may be a matrix.
+    pub fn has_matrix(self) -> bool {
+        !matches!(self, Self::Attribute { declared: false, .. })
     }
 }
 
@@ -136,8 +143,8 @@ pub fn attribute_matrices(words: &[u32], of_position: bool, locations: &[u32]) -
     let Some(all) = instructions(words) else { return Vec::new() };
     let declared = Declarations::new(&all);
     let loads = if of_position { PositionLoads::of(&all, &declared) } else { None };
-    let matrix = |location, rank| Matrix {
-        memory: Memory::Attribute { location },
+    let matrix = |location, rank, declared| Matrix {
+        memory: Memory::Attribute { location, declared },
         offset: 0,
         stride: 16,
         row_major: false,
@@ -151,7 +158,7 @@ pub fn attribute_matrices(words: &[u32], of_position: bool, locations: &[u32]) -
         let Some(location) = location else { continue };
         let rank = lens::rank(declared.name(variable, None));
         if declared.is_mat4(kind) {
-            found.push(matrix(location, rank));
+            found.push(matrix(location, rank, true));
         } else if declared.is_vec4(kind) && locations.contains(&location) {
             vectors.insert(location, rank);
         }
@@ -159,7 +166,7 @@ pub fn attribute_matrices(words: &[u32], of_position: bool, locations: &[u32]) -
     let places: Vec<u32> = vectors.keys().copied().collect();
     found.extend(lens::fours(&places).into_iter().map(|first| {
         let ranks = (first..).map_while(|location| vectors.get(&location)).take(4);
-        matrix(first, ranks.copied().min().unwrap_or_default())
+        matrix(first, ranks.copied().min().unwrap_or_default(), false)
     }));
     found
 }

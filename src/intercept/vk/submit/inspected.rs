@@ -41,7 +41,7 @@ pub(in crate::intercept::vk) fn note(
             Memory::AddressInBuffer { set, binding, at } => {
                 format!("address in set {set}, binding {binding}, byte {at}, then byte {offset}")
             }
-            Memory::Attribute { location } => format!("attribute of instances, location {location}"),
+            Memory::Attribute { location, .. } => format!("attribute of instances, location {location}"),
             Memory::Buffer { set, binding } => format!("set {set}, binding {binding}, byte {offset}"),
         };
         match value(source) {

@@ -223,7 +223,7 @@ fn classify(
         && !given
         && draw.pipeline.bare_triangles
         && program.is_uncut(layout.window);
-    pass.scene |= !sources.is_empty() || screen || deep;
+    pass.scene |= sources.iter().any(|source| source.matrix.memory.has_matrix()) || screen || deep;
     let y_up = program.viewport.height < 0.0;
     if !sources.is_empty() {
         recording.y_up = y_up;
@@ -266,8 +266,8 @@ fn lens_sources(
     };
     let missing_lens = match variants.matrices.first() {
         _ if !main => MissingLens::PartOfWindow,
-        Some(matrix) => matrix.memory.if_unreadable(),
-        None => variants.missing_lens,
+        Some(matrix) if matrix.memory.has_matrix() => matrix.memory.if_unreadable(),
+        _ => variants.missing_lens,
     };
     (sources, missing_lens)
 }

@@ -82,7 +82,34 @@ fn the_matrix_that_is_an_attribute_is_found() {
     let words = shader(false, true);
     assert!(matrices(&words, true).is_empty());
     let found: Vec<_> = attribute_matrices(&words, true, &[]).iter().map(|matrix| matrix.memory).collect();
-    assert_eq!(found, [Memory::Attribute { location: 3 }]);
+    assert_eq!(found, [Memory::Attribute { location: 3, declared: true }]);
+}
+
+#[test]
+fn four_vectors_of_instances_may_be_a_matrix() {
+    let (input, output) = (StorageClass::Input as u32, StorageClass::Output as u32);
+    let mut all = vec![(Op::Decorate, vec![5, Decoration::BuiltIn as u32, spirv::BuiltIn::Position as u32])];
+    all.extend((0..4).map(|n| (Op::Decorate, vec![10 + n, Decoration::Location as u32, 2 + n])));
+    all.extend([
+        (Op::TypeVoid, vec![1]),
+        (Op::TypeFloat, vec![2, 32]),
+        (Op::TypeVector, vec![3, 2, 4]),
+        (Op::TypePointer, vec![4, output, 3]),
+        (Op::Variable, vec![4, 5, output]),
+        (Op::TypePointer, vec![6, input, 3]),
+        (Op::TypeFunction, vec![7, 1]),
+    ]);
+    all.extend((0..4).map(|n| (Op::Variable, vec![6, 10 + n, input])));
+    all.extend([(Op::Function, vec![1, 30, 0, 7]), (Op::Label, vec![31])]);
+    all.extend((0..4).map(|n| (Op::Load, vec![3, 40 + n, 10 + n])));
+    all.extend((0..3).map(|n| (Op::FAdd, vec![3, 50 + n, if n == 0 { 40 } else { 49 + n }, 41 + n])));
+    all.extend([(Op::Store, vec![5, 52]), (Op::Return, vec![]), (Op::FunctionEnd, vec![])]);
+    let all: Vec<_> = all.iter().map(|(op, operands)| (*op as u32, &operands[..])).collect();
+    let words = module(60, &all);
+    let found: Vec<_> = attribute_matrices(&words, true, &[2, 3, 4, 5]).iter().map(|matrix| matrix.memory).collect();
+    assert_eq!(found, [Memory::Attribute { location: 2, declared: false }]);
+    assert!(!found[0].has_matrix() && Memory::Push.has_matrix());
+    assert!(attribute_matrices(&words, true, &[2, 3, 4]).is_empty());
 }
 
 /// A shader that loads its position from a storage buffer.
