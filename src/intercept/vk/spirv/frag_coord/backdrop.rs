@@ -59,9 +59,9 @@ pub fn backdrop(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<Vec
         found.extend(chains(&all, *input)?);
     }
     let pointers = private_pointers(&mut additions, &declared, &found)?;
-    let place = replaced.iter().find(|input| input.is_place).map(|input| input.input);
-    let added = place.is_none().then(|| frag_coord(&mut additions));
-    let Some(place) = place.or(added) else { return Err("a shader without a position".into()) };
+    let given = replaced.iter().find(|input| input.is_place).map(|input| input.input);
+    let place = given.unwrap_or_else(|| frag_coord(&mut additions));
+    let added = given.is_none().then_some(place);
     let (wrapper, block) = wrapper(&mut additions, &replaced, place, main, (set, offset));
     let variables = replaced.iter().map(|input| input.variable).chain([block]).collect();
     let entry = Entry { point, main, wrapper: Some(wrapper), variables, inputs: added.into_iter().collect() };

@@ -72,7 +72,7 @@ impl SceneGraph {
         (size, has_matrices): ((u32, u32), bool),
     ) -> bool {
         let [x, y, width, height] = [viewport.x, viewport.y, viewport.width, viewport.height].map(|n| n.round() as i32);
-        let rect = LowerLeftRect::new(x, y + height.min(0), width, height.saturating_abs());
+        let rect = LowerLeftRect::new(x, y.saturating_add(height.min(0)), width, height.saturating_abs());
         let frame = self.frames.load(Ordering::Relaxed);
         let mut all = self.viewports.locked();
         let [of_all, of_matrices] = all.entry(image).or_default();
