@@ -103,6 +103,14 @@ fn a_background_of_opengl_es() {
         let own = own.expect_success().expect_no_gl_errors().picture("shot.ppm");
         expect_identical(&own, &plain.expect_success().picture("shot.ppm"), mode);
     }
+    // A window with several samples cannot be copied in parts there: the background is on the panel.
+    let extra = ["--mode", "window", "--samples", "4"];
+    let run = Run { extra: &extra, frames: 6, cupola_frames: 6, ..Run::new("gles3_backdrop") };
+    let Some(under) = run.under("fisheye") else { return };
+    let picture = under.expect_success().expect_no_gl_errors().picture("capture.png");
+    let above = picture.at(128, 16).map(f64::from);
+    let expected = background(CIRCLE.direction(128.5, 16.5));
+    assert!(above.iter().zip(expected).any(|(a, b)| (a - b).abs() > 30.0), "{above:?}");
 }
 
 /// A background of Vulkan: off screen, with colours that come from an input of the fragment shader or

@@ -94,7 +94,8 @@ fn look_up(ctx: &mut Context, (sampled, number): (Set, u32), picture: Picture) -
     let can_measure = || can_measure(&ctx.driver, &ctx.queries);
     match kinds[kind].state {
         State::Known(part) => Answer::Part(part),
-        State::New if number != 0 && ctx.driver.profile.es => match can_probe(ctx) {
+        // OpenGL ES also cannot copy a part of a picture with several samples to another place.
+        State::New if number != 0 && ctx.driver.profile.es => match picture.samples == 1 && can_probe(ctx) {
             true => Answer::Measure(Measure { kind, what: Measured::Probes(picture) }),
             false => Answer::Never,
         },
@@ -180,8 +181,8 @@ pub fn measure_parts(ctx: &mut Context, what: Measure, tile: LowerLeftRect, mut 
     }
 }
 
-/// Issues a draw, which `tile` shows, once in each of these parts, without writing anything, and returns queries
-/// of this kind.
+/// Issues a draw, which `tile` shows, once in each of these parts, without writing anything, and
+/// returns queries of this kind.
 fn measured_in<const N: usize>(
     ctx: &mut Context,
     tile: LowerLeftRect,
