@@ -1,42 +1,16 @@
 //! Inputs of other places, in handmade modules.
 
-use super::module;
+use super::frag_coord::fragment_stage;
 use crate::intercept::vk::spirv::backdrop;
 use crate::intercept::vk::spirv::module::instructions;
 use crate::testing::random::Random;
-use spirv::{BuiltIn, Decoration, ExecutionModel, Op, StorageClass};
+use spirv::{BuiltIn, Decoration, Op};
 
-/// A fragment stage with an input 5 of four floats, which has this decoration, and a pointer 9 to one
-/// of them. Its function loads the input and one component of it.
+/// A fragment stage that loads its input, which has this decoration, and one component of it.
 fn stage(decoration: &[u32]) -> Vec<u32> {
-    let input = StorageClass::Input as u32;
-    let point = [ExecutionModel::Fragment as u32, 7, u32::from_le_bytes(*b"go\0\0"), 5];
-    let decorated = [&[5], decoration].concat();
-    let (pointer, variable, to_float) = ([4, input, 3], [4, 5, input], [9, input, 2]);
-    let all: Vec<(u32, &[u32])> = vec![
-        (Op::Capability as u32, &[1]),
-        (Op::MemoryModel as u32, &[0, 1]),
-        (Op::EntryPoint as u32, &point),
-        (Op::ExecutionMode as u32, &[7, 7]),
-        (Op::Decorate as u32, &decorated),
-        (Op::TypeVoid as u32, &[1]),
-        (Op::TypeFloat as u32, &[2, 32]),
-        (Op::TypeVector as u32, &[3, 2, 4]),
-        (Op::TypePointer as u32, &pointer),
-        (Op::TypePointer as u32, &to_float),
-        (Op::TypeInt as u32, &[11, 32, 0]),
-        (Op::Constant as u32, &[11, 10, 0]),
-        (Op::Variable as u32, &variable),
-        (Op::TypeFunction as u32, &[6, 1]),
-        (Op::Function as u32, &[1, 7, 0, 6]),
-        (Op::Label as u32, &[8]),
-        (Op::Load as u32, &[3, 20, 5]),
-        (Op::AccessChain as u32, &[9, 21, 5, 10]),
-        (Op::Load as u32, &[2, 22, 21]),
-        (Op::Return as u32, &[]),
-        (Op::FunctionEnd as u32, &[]),
-    ];
-    module(40, &all)
+    let load: [(u32, &[u32]); 3] =
+        [(Op::Load as u32, &[3, 20, 5]), (Op::AccessChain as u32, &[9, 21, 5, 10]), (Op::Load as u32, &[2, 22, 21])];
+    fragment_stage(decoration, &load)
 }
 
 fn location() -> [u32; 2] {

@@ -6,11 +6,11 @@ use crate::intercept::vk::spirv::module::instructions;
 use crate::testing::random::Random;
 use spirv::{BuiltIn, Decoration, ExecutionModel, Op, StorageClass};
 
-/// A fragment stage whose function does `body`. Ids: FragCoord 5, a pointer to input floats 9, a
-/// number 10.
-fn stage(body: &[(u32, &[u32])]) -> Vec<u32> {
+/// A fragment stage with an input 5 of four floats, which has this decoration. Its function does `body`.
+/// Ids: a pointer to input floats 9, a number 10.
+pub(super) fn fragment_stage(decoration: &[u32], body: &[(u32, &[u32])]) -> Vec<u32> {
     let input = StorageClass::Input as u32;
-    let builtin = [5, Decoration::BuiltIn as u32, BuiltIn::FragCoord as u32];
+    let decorated = [&[5], decoration].concat();
     let point = [ExecutionModel::Fragment as u32, 7, u32::from_le_bytes(*b"go\0\0"), 5];
     let (pointer, variable, to_float) = ([4, input, 3], [4, 5, input], [9, input, 2]);
     let mut all: Vec<(u32, &[u32])> = vec![
@@ -18,7 +18,7 @@ fn stage(body: &[(u32, &[u32])]) -> Vec<u32> {
         (Op::MemoryModel as u32, &[0, 1]),
         (Op::EntryPoint as u32, &point),
         (Op::ExecutionMode as u32, &[7, 7]),
-        (Op::Decorate as u32, &builtin),
+        (Op::Decorate as u32, &decorated),
         (Op::TypeVoid as u32, &[1]),
         (Op::TypeFloat as u32, &[2, 32]),
         (Op::TypeVector as u32, &[3, 2, 4]),
@@ -34,6 +34,11 @@ fn stage(body: &[(u32, &[u32])]) -> Vec<u32> {
     all.extend(body);
     all.extend([(Op::Return as u32, &[][..]), (Op::FunctionEnd as u32, &[])]);
     module(40, &all)
+}
+
+/// A fragment stage whose function does `body`, with FragCoord as the input.
+fn stage(body: &[(u32, &[u32])]) -> Vec<u32> {
+    fragment_stage(&[Decoration::BuiltIn as u32, BuiltIn::FragCoord as u32], body)
 }
 
 const LOAD: (u32, &[u32]) = (Op::Load as u32, &[3, 20, 5]);
