@@ -15,6 +15,12 @@ impl Session {
         rough::plan(&rig, &self.request, &self.plan, self.needed)
     }
 
+    /// Returns a session that shows another rig as [`Session::rough`]; `None` if the views of this one
+    /// cannot serve it.
+    pub fn roughly_over(&self, rig: &Rig) -> Option<Self> {
+        Some(self.with_plan(rig, self.rough(rig)?))
+    }
+
     /// Returns a session that shows another rig exactly over the views of this one; `None` if these
     /// cannot serve it.
     ///
@@ -25,7 +31,12 @@ impl Session {
             return Ok(None);
         }
         let plan = over::plan(&rig.with_all_outputs(), &self.request, &self.plan, self.needed, cache::of_process())?;
-        Ok(plan.map(|plan| Self {
+        Ok(plan.map(|plan| self.with_plan(rig, plan)))
+    }
+
+    /// Returns a session of another rig and its plan over the views of this one.
+    fn with_plan(&self, rig: &Rig, plan: Plan) -> Self {
+        Self {
             needed: needed(rig, &plan),
             camera: Mutex::new(rig.camera),
             plan,
@@ -35,7 +46,7 @@ impl Session {
             rects: self.rects.clone(),
             refused: self.refused.clone(),
             turns: None,
-        }))
+        }
     }
 
     /// True if the views of this session may serve another rig: its outputs have the same places,

@@ -76,6 +76,8 @@ pub struct VkBackend {
     format: vk::Format,
     common: Common,
     pipelines: HashMap<Modules, vk::Pipeline>,
+    /// Pipelines of the plan before: rigs that are edited often return to them.
+    earlier: HashMap<Modules, vk::Pipeline>,
     vertices: Buffer,
     indices: Buffer,
     staging: Buffer,
@@ -107,6 +109,7 @@ impl VkBackend {
             format: vk::Format::UNDEFINED,
             common: Common::default(),
             pipelines: HashMap::new(),
+            earlier: HashMap::new(),
             vertices: Buffer::default(),
             indices: Buffer::default(),
             staging: Buffer::default(),
@@ -189,12 +192,13 @@ impl VkBackend {
         let bytes: Vec<u8> = list.indices.iter().flat_map(|v| v.to_ne_bytes()).collect();
         self.indices = Buffer::new(&self.api, bytes.len(), vk::BufferUsageFlags::INDEX_BUFFER)?;
         self.indices.write(&self.api, 0, &bytes)?;
-        let mut old = take(&mut self.pipelines);
+        let (mut old, mut before) = (take(&mut self.pipelines), take(&mut self.earlier));
         let result = passes.iter().zip(&list.outputs).try_for_each(|(pass, draws)| {
             let mut output = Output { size: pass.size, ..Output::default() };
             for draw in draws {
                 let modules = specialise(&draw.constants, self.arrangement, self.stage);
-                let known = self.pipelines.get(&modules).copied().or_else(|| old.remove(&modules));
+                let known = self.pipelines.get(&modules).copied();
+                let known = known.or_else(|| old.remove(&modules)).or_else(|| before.remove(&modules));
                 let pipeline = known.map_or_else(|| self.common.pipeline(&self.api, &modules), Ok)?;
                 self.pipelines.insert(modules, pipeline);
                 output.draws.push(Draw {
@@ -209,7 +213,8 @@ impl VkBackend {
             self.outputs.push(output);
             Ok(())
         });
-        for pipeline in old.into_values() {
+        self.earlier = old;
+        for pipeline in before.into_values() {
             // SAFETY: a pipeline of Cupola, and nothing is pending.
             unsafe { self.api.device.destroy_pipeline(pipeline, None) };
         }
@@ -383,7 +388,7 @@ impl VkBackend {
     /// Destroys everything.
     pub fn destroy(&mut self) {
         self.forget();
-        for pipeline in take(&mut self.pipelines).into_values() {
+        for pipeline in take(&mut self.pipelines).into_values().chain(take(&mut self.earlier).into_values()) {
             // SAFETY: a pipeline of Cupola, and nothing is pending.
             unsafe { self.api.device.destroy_pipeline(pipeline, None) };
         }

@@ -259,7 +259,7 @@ unsafe fn build(
         version,
         shown: version,
         coming: None,
-        outdated: None,
+        due: None,
     })
 }
 

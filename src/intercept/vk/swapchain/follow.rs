@@ -5,7 +5,7 @@ use crate::intercept::process::live::{self, Live};
 use crate::intercept::process::log;
 use crate::intercept::process::settings::{self, Settings};
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::swapchains::{StandIn, Swapchain};
+use crate::intercept::vk::state::swapchains::{Due, StandIn, Swapchain};
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::swapchain::create::{plan, report_methods};
 use crate::lock::Lock;
@@ -24,30 +24,35 @@ impl Swapchain {
         let lacks_own = self.stand_in.as_ref().is_some_and(|s| device.pipelines.write() && !s.layout.read);
         self.shown = self.coming.take().unwrap_or(self.shown);
         let version = live::version();
+        let is_watched = settings::settings().is_some_and(Settings::is_watched);
         if self.stand_in.is_some() && !self.failed && self.version != version {
             self.version = version;
             // SAFETY: as promised.
-            let adopted = live::rig().map_or(Ok(false), |live| unsafe { self.adopt(device, &live) });
-            match adopted {
-                Ok(true) => self.outdated = Some(Instant::now()),
-                Ok(false) => {}
-                Err(error) => log::once(&format!("Vulkan: the rig stays as it was: {}", error.message)),
+            let adopted = live::rig().map_or(Ok(()), |live| unsafe { self.adopt(device, &live, is_watched) });
+            if let Err(error) = adopted {
+                log::once(&format!("Vulkan: the rig stays as it was: {}", error.message));
             }
         }
-        let rest = if settings::settings().is_some_and(Settings::is_watched) { live::REST } else { Duration::ZERO };
-        self.outdated.take_if(|since| since.elapsed() >= rest).is_some() || lacks_own
+        let rest = if is_watched { live::REST } else { Duration::ZERO };
+        let Some(due) = self.due.take_if(|due| due.since.elapsed() >= rest) else { return lacks_own };
+        // SAFETY: as promised.
+        if due.rough
+            && let Err(error) = unsafe { self.leave_rough(device) }
+        {
+            log::once(&format!("Vulkan: the changed rig is only shown roughly: {}", error.message));
+        }
+        due.outdated || lacks_own
     }
 
     /// Shows another rig. The program's images and recorded commands fit the views that they have, so
-    /// the correction is made again over these. What the views show of the program's world is decided
-    /// when commands are submitted, so a changed camera is followed as well, unless another lens is
-    /// given. Returns whether a new swapchain would show another picture. If planning fails, nothing
-    /// changes.
+    /// the correction is made again over these: roughly if `is_watched`, since that needs no new shaders. What the views show of the program's world is decided when commands are
+    /// submitted, so a changed camera is followed as well, unless another lens is given. If planning
+    /// fails, nothing changes.
     ///
     /// # Safety
     /// As for [`Swapchain::follow_rig`].
-    unsafe fn adopt(&mut self, device: &Device, live: &Live) -> Result<bool> {
-        let Some(stand_in) = &mut self.stand_in else { return Ok(false) };
+    unsafe fn adopt(&mut self, device: &Device, live: &Live, is_watched: bool) -> Result<()> {
+        let Some(stand_in) = &mut self.stand_in else { return Ok(()) };
         let (old, camera, version) = (Arc::clone(&stand_in.layout), live.rig.camera, live.version);
         let (known, old_rig) = (old.session.program_camera(), old.session.rig());
         let follows = (known.lens, known.answer_wide) == (camera.lens, camera.answer_wide);
@@ -55,10 +60,12 @@ impl Swapchain {
         report_methods(device, &live.rig);
         if follows && *old_rig == (Rig { camera: old_rig.camera, ..rig.clone() }) {
             self.set_camera(device, camera, version);
-            return Ok(false);
+            return Ok(());
         }
+        let rough = if follows && is_watched { old.roughly_over(&rig) } else { None };
+        let is_rough = rough.is_some();
         // What these views cannot serve, a plan may.
-        let over = if follows { old.over(&rig).unwrap_or_default() } else { None };
+        let over = rough.or_else(|| if follows { old.over(&rig).unwrap_or_default() } else { None });
         let over = over.map(|layout| Arc::new(AtlasLayout { version, ..layout }));
         // SAFETY: as promised.
         if over.is_some_and(|layout| unsafe { stand_in.adopt(device, layout) }.is_ok()) {
@@ -70,7 +77,8 @@ impl Swapchain {
                      the program's next swapchain, as after a change of size",
                 );
             }
-            return Ok(!is_planned);
+            self.note_due(is_rough, !is_planned);
+            return Ok(());
         }
         let new = plan(device, &live.rig, old.window, old.read)?;
         let (before, after) = (&old.plan.views, &new.plan.views);
@@ -78,13 +86,34 @@ impl Swapchain {
             // SAFETY: as promised.
             unsafe { stand_in.adopt(device, Arc::new(AtlasLayout { version, ..new }))? };
             self.set_camera(device, camera, version);
-            return Ok(false);
+            self.note_due(false, false);
+            return Ok(());
         }
         log::once(
             "Vulkan: the rig's views have changed; a window follows when the program makes its next swapchain, as \
              after a change of size",
         );
-        Ok(true)
+        self.note_due(self.due.is_some_and(|due| due.rough), true);
+        Ok(())
+    }
+
+    /// Notes what the rig that is now shown lacks. The program is also asked for a swapchain that an
+    /// earlier change needs.
+    fn note_due(&mut self, rough: bool, outdated: bool) {
+        let outdated = outdated || self.due.is_some_and(|due| due.outdated);
+        self.due = (rough || outdated).then(|| Due { since: Instant::now(), rough, outdated });
+    }
+
+    /// Shows exactly the rig that is shown roughly.
+    ///
+    /// # Safety
+    /// As for [`Swapchain::follow_rig`].
+    unsafe fn leave_rough(&mut self, device: &Device) -> Result<()> {
+        let Some(stand_in) = &mut self.stand_in else { return Ok(()) };
+        let rough = Arc::clone(&stand_in.layout);
+        let Some(exact) = rough.over(rough.session.rig())? else { return Ok(()) };
+        // SAFETY: as promised.
+        unsafe { stand_in.adopt(device, Arc::new(AtlasLayout { version: rough.version, ..exact })) }
     }
 
     /// Draws by an adaptation of the program's camera from the next submission on. The next picture

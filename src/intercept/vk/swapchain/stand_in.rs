@@ -11,6 +11,7 @@ use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::views::view_target::ViewTarget;
 use crate::runtime::session::Session;
 use ash::vk;
+use std::mem::{replace, take};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -203,22 +204,21 @@ impl StandIn {
     /// # Safety
     /// The device must be live, and no other thread may present this swapchain meanwhile.
     pub unsafe fn adopt(&mut self, device: &Device, layout: Arc<AtlasLayout>) -> Result<()> {
-        let mut backend = VkBackend::new(&device.driver.api);
-        let prepared = self.prepare(&mut backend, &layout);
         // SAFETY: as promised; the device has finished with the destroyed objects.
         unsafe {
             self.wait(device);
-            if let Err(error) = prepared {
-                backend.destroy();
-                return Err(error);
-            }
-            self.backend.destroy();
-            device.driver.functions.destroy_command_pool(std::mem::take(&mut self.pool), None);
+            device.driver.functions.destroy_command_pool(take(&mut self.pool), None);
         }
-        // The times of the old backend are lost.
+        // Commands are recorded again with the next pool. The times of the old ones are lost.
         self.slots.iter_mut().for_each(|slot| slot.timed = None);
-        // Commands are recorded again with the next pool.
-        (self.backend, self.layout, self.family, self.uploaded) = (backend, layout, u32::MAX, false);
+        (self.family, self.uploaded) = (u32::MAX, false);
+        // The same backend keeps the pipelines that both plans need.
+        let mut backend = replace(&mut self.backend, VkBackend::new(&device.driver.api));
+        let prepared = self.prepare(&mut backend, &layout);
+        let result = if prepared.is_err() { self.prepare(&mut backend, &self.layout).and(prepared) } else { prepared };
+        self.backend = backend;
+        result?;
+        self.layout = layout;
         Ok(())
     }
 

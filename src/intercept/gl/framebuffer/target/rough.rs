@@ -5,14 +5,9 @@ use crate::backend::gl::driver::api::Gl;
 use crate::error::Result;
 use crate::intercept::gl::state::drawable::default_framebuffer::{DefaultFramebuffer, RoughlyShown};
 use crate::intercept::process::live::{Live, REST};
+use crate::intercept::process::log;
 use crate::intercept::process::settings::{self, Settings};
-use crate::intercept::process::{clock, log};
 use std::time::Instant;
-
-/// True if somebody looks at the pictures of this process as they come. Recorded pictures are exact.
-fn is_watched(settings: &Settings) -> bool {
-    settings.is_watched() && clock::time().is_none()
-}
 
 impl DefaultFramebuffer {
     /// True if the own plan of the roughly corrected rig is due.
@@ -24,7 +19,7 @@ impl DefaultFramebuffer {
     /// program's camera. Returns false if that is not possible; then nothing has changed.
     pub fn show_roughly(&mut self, gl: &Gl, live: &Live) -> bool {
         let is_served =
-            settings::settings().is_some_and(is_watched) && live.rig.camera == self.session.program_camera();
+            settings::settings().is_some_and(Settings::is_watched) && live.rig.camera == self.session.program_camera();
         let Some(plan) = is_served.then(|| self.session.rough(&live.rig)).flatten() else { return false };
         let prepared = self.backend.prepare_rough(gl, &plan, self.shows_panel());
         if let Err(error) = prepared.and_then(|()| self.prepare_outputs(gl)) {

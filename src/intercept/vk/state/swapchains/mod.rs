@@ -106,9 +106,19 @@ pub struct Swapchain {
     pub(in crate::intercept::vk) shown: u64,
     /// Version that the pictures from the next one on show, if they differ in the camera.
     pub(in crate::intercept::vk) coming: Option<u64>,
-    /// Time of the last change of the rig that only a new swapchain shows as it is planned; `None`:
-    /// there is none, or the program was asked for one since.
-    pub(in crate::intercept::vk) outdated: Option<Instant>,
+    /// What is left to do for the last change of the rig.
+    pub(in crate::intercept::vk) due: Option<Due>,
+}
+
+/// What is left to do for a changed rig, when it has rested.
+#[derive(Clone, Copy, Debug)]
+pub struct Due {
+    /// Time of the change.
+    pub(in crate::intercept::vk) since: Instant,
+    /// True if the rig is shown roughly, and has to be shown exactly.
+    pub(in crate::intercept::vk) rough: bool,
+    /// True if only a new swapchain shows it as it is planned: the program is asked for one.
+    pub(in crate::intercept::vk) outdated: bool,
 }
 
 /// The swapchains that Cupola manages.

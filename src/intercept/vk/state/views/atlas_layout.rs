@@ -170,6 +170,12 @@ impl AtlasLayout {
         self.session.over(rig)?.map(|session| Self::of(session, self.window, self.read)).transpose()
     }
 
+    /// Returns a layout that shows another rig roughly over these views; `None` if these cannot serve
+    /// it.
+    pub fn roughly_over(&self, rig: &Rig) -> Option<Self> {
+        Self::of(self.session.roughly_over(rig)?, self.window, self.read).ok()
+    }
+
     fn of(session: Session, window: (u32, u32), read: bool) -> Result<Self> {
         let plan = upside_down(session.plan());
         let panel = session.panel().ok_or_else(|| Error::new(ErrorKind::Internal, "the plan has no panel"))?;
