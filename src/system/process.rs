@@ -83,6 +83,21 @@ pub fn end_with_parent(command: &mut Command) -> &mut Command {
     unsafe { command.pre_exec(request) }
 }
 
+/// Does some work with less right to the processors than other programs, as `nice` gives it, and
+/// waits for the result. Processes that this thread starts later are not affected.
+pub fn in_background<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    /// Smaller than 19, so that a busy machine still does the work at once.
+    const NICE: libc::c_int = 10;
+    std::thread::scope(|scope| {
+        let worker = scope.spawn(|| {
+            // SAFETY: takes numbers; 0 is the calling thread, which only does this work.
+            unsafe { libc::setpriority(libc::PRIO_PROCESS, 0, NICE) };
+            work()
+        });
+        worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    })
+}
+
 /// Makes sleeps of this thread end within about a microsecond; the system's usual tolerance is
 /// 50 µs.
 pub fn sleep_precisely() {

@@ -9,6 +9,7 @@ use super::program::Program;
 use compose::{arrange, shrink};
 use cupola::lock::Lock;
 use cupola::ring::{Frame, Next, Picture, Reader};
+use cupola::system::process;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -210,7 +211,7 @@ impl Pictures {
             }
             match is_new || found && left.is_zero() {
                 true => {
-                    let small = Arc::new(self.small(side));
+                    let small = Arc::new(process::in_background(|| self.small(side)));
                     self.newest = Some(small.clone());
                     return Some(small);
                 }
