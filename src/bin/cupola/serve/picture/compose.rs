@@ -27,12 +27,20 @@ pub fn shrink(rgba: &[u8], (width, height): (u32, u32), to: &mut [u8], side: u32
     if rgba.len() < 4 * width as usize * height as usize || width == 0 || height == 0 {
         return;
     }
-    let cut = |index: u32, parts: u32, length: u32| (u64::from(index) * u64::from(length) / u64::from(parts)) as usize;
-    for row in 0..rows {
-        let (top, bottom) = (cut(row, rows, height), cut(row + 1, rows, height).max(cut(row, rows, height) + 1));
-        for column in 0..columns {
-            let left = cut(column, columns, width);
-            let right = cut(column + 1, columns, width).max(left + 1);
+    let parts = |count: u32, length: u32| {
+        let cut = move |index: u32| (u64::from(index) * u64::from(length) / u64::from(count)) as usize;
+        (0..count).map(move |index| (cut(index), cut(index + 1).max(cut(index) + 1)))
+    };
+    // Divisions are slow, and the same in each row.
+    let across: Vec<_> = parts(columns, width).collect();
+    for (row, (top, bottom)) in (y..).zip(parts(rows, height)) {
+        let at = 3 * (row as usize * side as usize + x as usize);
+        for (to, &(left, right)) in to[at..at + 3 * columns as usize].chunks_exact_mut(3).zip(&across) {
+            if (bottom - top, right - left) == (1, 1) {
+                let from = 4 * (top * width as usize + left);
+                to.copy_from_slice(&rgba[from..from + 3]);
+                continue;
+            }
             let mut sum = [0_u32; 3];
             for line in top..bottom {
                 let pixels = &rgba[4 * (line * width as usize + left)..4 * (line * width as usize + right)];
@@ -41,8 +49,7 @@ pub fn shrink(rgba: &[u8], (width, height): (u32, u32), to: &mut [u8], side: u32
                 }
             }
             let count = ((bottom - top) * (right - left)) as u32;
-            let at = 3 * ((y + row) as usize * side as usize + (x + column) as usize);
-            to[at..at + 3].iter_mut().zip(sum).for_each(|(to, sum)| *to = ((sum + count / 2) / count) as u8);
+            to.iter_mut().zip(sum).for_each(|(to, sum)| *to = ((sum + count / 2) / count) as u8);
         }
     }
 }
