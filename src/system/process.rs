@@ -91,7 +91,10 @@ pub fn in_background<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     std::thread::scope(|scope| {
         let worker = scope.spawn(|| {
             // SAFETY: takes numbers; 0 is the calling thread, which only does this work.
-            unsafe { libc::setpriority(libc::PRIO_PROCESS, 0, NICE) };
+            unsafe {
+                let now = libc::getpriority(libc::PRIO_PROCESS, 0);
+                libc::setpriority(libc::PRIO_PROCESS, 0, now.max(NICE))
+            };
             work()
         });
         worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))

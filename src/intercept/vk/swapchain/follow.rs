@@ -39,7 +39,11 @@ impl Swapchain {
         if due.rough
             && let Err(error) = unsafe { self.leave_rough(device) }
         {
-            log::once(&format!("Vulkan: the changed rig is only shown roughly: {}", error.message));
+            log::once(&format!(
+                "Vulkan: a changed rig is shown roughly until the program makes its next swapchain: {}",
+                error.message
+            ));
+            return true;
         }
         due.outdated || lacks_own
     }
@@ -60,6 +64,9 @@ impl Swapchain {
         report_methods(device, &live.rig);
         if follows && *old_rig == (Rig { camera: old_rig.camera, ..rig.clone() }) {
             self.set_camera(device, camera, version);
+            if let Some(due) = &mut self.due {
+                due.since = Instant::now();
+            }
             return Ok(());
         }
         let rough = if follows && is_watched { old.roughly_over(&rig) } else { None };
@@ -112,6 +119,7 @@ impl Swapchain {
         let Some(stand_in) = &mut self.stand_in else { return Ok(()) };
         let rough = Arc::clone(&stand_in.layout);
         let Some(exact) = rough.over(rough.session.rig())? else { return Ok(()) };
+        exact.session.set_camera(rough.session.program_camera());
         // SAFETY: as promised.
         unsafe { stand_in.adopt(device, Arc::new(AtlasLayout { version: rough.version, ..exact })) }
     }

@@ -196,7 +196,7 @@ impl StandIn {
     }
 
     /// Corrects by another plan from the next picture on, with the same views in the same window.
-    /// On an error nothing changes.
+    /// After an error the plan is the old one.
     ///
     /// # Errors
     /// [`Graphics`](crate::error::ErrorKind::Graphics) if the driver refuses something.
@@ -215,9 +215,12 @@ impl StandIn {
         // The same backend keeps the pipelines that both plans need.
         let mut backend = replace(&mut self.backend, VkBackend::new(&device.driver.api));
         let prepared = self.prepare(&mut backend, &layout);
-        let result = if prepared.is_err() { self.prepare(&mut backend, &self.layout).and(prepared) } else { prepared };
+        if prepared.is_err() {
+            // If that fails as well, the next picture reports it.
+            let _ = self.prepare(&mut backend, &self.layout);
+        }
         self.backend = backend;
-        result?;
+        prepared?;
         self.layout = layout;
         Ok(())
     }

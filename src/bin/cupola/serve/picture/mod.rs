@@ -22,7 +22,7 @@ const QUALITY: u8 = 82;
 /// painted.
 const SHORTEST: Duration = Duration::from_millis(30);
 /// Part of all processors' time that pictures may take while nobody changes the rig: one of so many.
-/// With what the library does for them, a program on all processors loses up to a tenth.
+/// With what the library and a browser do for them, a program on all processors loses about a tenth.
 const PART: u32 = 120;
 /// Longest pause of this kind: five pictures a second come in any case.
 const LONGEST: Duration = Duration::from_millis(180);
