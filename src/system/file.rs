@@ -1,8 +1,9 @@
-//! Files that are written where others may have put something.
+//! Files that are written where others may have put something, files in memory, and free space.
 
-use std::ffi::CString;
+use std::ffi::{CStr, CString};
 use std::fs::{File, OpenOptions};
 use std::io;
+use std::os::fd::FromRawFd;
 use std::os::unix::ffi::OsStrExt;
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
@@ -22,6 +23,23 @@ pub fn create(path: &Path) -> io::Result<File> {
         Some(libc::ELOOP) => io::Error::other("it is a link; expected a file, or no file yet"),
         _ => error,
     })
+}
+
+/// Makes a file of `bytes` zeroes in memory, without a place in any folder. `name` is shown in lists
+/// of open files.
+///
+/// # Errors
+/// Those of the system.
+pub fn anonymous_file(name: &CStr, bytes: u64) -> io::Result<File> {
+    // SAFETY: a NUL-terminated name that lives during the call.
+    let descriptor = unsafe { libc::memfd_create(name.as_ptr(), libc::MFD_CLOEXEC) };
+    if descriptor < 0 {
+        return Err(io::Error::last_os_error());
+    }
+    // SAFETY: a new descriptor, which nothing else has.
+    let file = unsafe { File::from_raw_fd(descriptor) };
+    file.set_len(bytes)?;
+    Ok(file)
 }
 
 /// Number of bytes that this user can still write on the file system of a folder.

@@ -9,6 +9,6 @@ mod shared_memory;
 
 pub use build_id::build_id;
 pub use clock::{monotonic, thread_time};
-pub use file::{create, free_bytes};
+pub use file::{anonymous_file, create, free_bytes};
 pub use process::{host_name, is_privileged, user, variable};
 pub use shared_memory::SharedMemory;

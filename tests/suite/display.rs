@@ -223,15 +223,25 @@ pub struct Compositor {
 impl Compositor {
     /// Width and height of its screen.
     pub const SIZE: (usize, usize) = (320, 240);
-    const SOCKET: &str = "cupola";
+    /// Name of its socket.
+    pub const SOCKET: &str = "wayland-cupola";
 
-    /// Starts a compositor. `None` if it cannot be started.
+    /// Starts a compositor without a visible screen. `None` if it cannot be started.
     pub fn start() -> Option<Self> {
-        let refused = |reason: &String| missing(format_args!("no Wayland compositor: {reason}"));
-        Self::started().inspect_err(refused).ok()
+        Self::started_with(&["--backend=headless-backend.so"], "")
     }
 
-    fn started() -> Result<Self, String> {
+    /// Starts a compositor whose monitor `screen0` is a window at the upper left corner of a screen.
+    pub fn start_on(display: &Display) -> Option<Self> {
+        Self::started_with(&["--backend=x11-backend.so", "--use-pixman"], &display.name)
+    }
+
+    fn started_with(backend: &[&str], display: &str) -> Option<Self> {
+        let refused = |reason: &String| missing(format_args!("no Wayland compositor: {reason}"));
+        Self::started(backend, display).inspect_err(refused).ok()
+    }
+
+    fn started(backend: &[&str], display: &str) -> Result<Self, String> {
         static NUMBER: AtomicU32 = AtomicU32::new(0);
         let number = NUMBER.fetch_add(1, Ordering::Relaxed);
         // The folder is not in the target folder, because the path of a socket is limited to about
@@ -239,10 +249,12 @@ impl Compositor {
         let folder = std::env::temp_dir().join(format!("cupola-wayland-{}-{number}", std::process::id()));
         std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
         let process = Command::new("weston")
-            .args(["--backend=headless-backend.so", "--no-config", "--idle-time=0"])
+            .args(backend)
+            .args(["--no-config", "--idle-time=0"])
             .arg(format!("--socket={}", Self::SOCKET))
             .args([format!("--width={}", Self::SIZE.0), format!("--height={}", Self::SIZE.1)])
             .env("XDG_RUNTIME_DIR", &folder)
+            .env("DISPLAY", display)
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::null())

@@ -1,6 +1,6 @@
 //! Outputs in separate windows: `cupola window`.
 
-use crate::display::{self, Display};
+use crate::display::{self, Compositor, Display};
 use crate::finished::Finished;
 use crate::harness::tests;
 use crate::programs::{Run, built, library, scratch, vendor};
@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 tests! {
     outputs_on_two_screens_are_those_of_one_window,
+    a_monitor_of_a_wayland_compositor_shows_an_output,
     patterns_are_shown_on_all_screens_until_a_key_is_pressed,
     a_window_that_is_too_small_is_told_with_the_size_that_fits,
     the_driver_gets_swap_interval_and_swap_group,
@@ -172,6 +173,44 @@ fn outputs_on_two_screens_are_those_of_one_window() {
     // The window that the program opened comes back with its screen.
     expect_pixels(&other, &seen[0], "the output whose screen came back");
     assert!(program.0.try_wait().expect("the state of the program can be read").is_none(), "the program has ended");
+}
+
+/// The compositor is found by its name, or by the variable. Its monitor is a window of an X screen, where the test
+/// reads the pixels of its corner: the picture is smaller.
+fn a_monitor_of_a_wayland_compositor_shows_an_output() {
+    let run = Run { size: (288, 108), ..Run::new("immediate") };
+    let Some(screen) = display::own(24) else { return };
+    let Some(compositor) = Compositor::start_on(&screen) else { return };
+    let whole = rig(None);
+    let Some(one) = run.under(&whole.to_string_lossy()) else { return };
+    let outputs = cupola::rig::load(&whole.to_string_lossy()).expect("a rig").outputs;
+    let published = scratch("published-wayland").join("ring");
+    let _program = publish(&run, &whole, &published);
+    let environment = compositor.environment();
+    let window = |output: &str, monitor: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
+        command.args(["window", output, "--monitor", monitor, "--published"]).arg(&published);
+        command.envs(environment.clone()).env("DISPLAY", &screen.name).stderr(Stdio::piped());
+        command
+    };
+    let mut seen = Vec::new();
+    for output in &outputs[3..5] {
+        let file = one.directory.join(format!("capture-{}.png", output.name));
+        let expected = image::open(file).expect("a picture").into_rgb8().into_raw();
+        // Control: the pictures differ.
+        assert!(!seen.contains(&expected));
+        let _window = start(&mut window(&output.name, "screen0"));
+        expect_pixels(&screen, &expected, &output.name);
+        seen.push(expected);
+    }
+    let mut missing = start(&mut window(&outputs[3].name, "DP-1"));
+    assert!(ends(&mut missing).contains("has no monitor \"DP-1\", but screen0"));
+    let mut named = window(&outputs[3].name, "screen0");
+    named.env_remove("WAYLAND_DISPLAY").args(["--display", Compositor::SOCKET]);
+    let mut shown = start(&mut named);
+    expect_pixels(&screen, &seen[0], "the output on the named compositor");
+    drop(compositor);
+    assert!(ends(&mut shown).contains("the Wayland compositor"));
 }
 
 /// Waits for the end of a process that fails, and returns its messages.

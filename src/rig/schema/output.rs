@@ -157,10 +157,14 @@ fn geometry(
     }
 }
 
+/// Expected text of the key `display`.
+const DISPLAY: &str = "an X screen or a Wayland compositor, for example \":0.1\" or \"wayland-0\"";
+
 /// Reads the window of its own that an output requests.
 fn own_window(section: &mut Section, problems: &mut Problems) -> Option<OwnWindow> {
-    let display = section.text("display", "an X screen, for example \":0.1\"", problems).map(str::to_owned);
-    let monitor = section.text("monitor", "a monitor as xrandr lists it, for example \"DP-2\"", problems);
+    let display = section.text("display", DISPLAY, problems).map(str::to_owned);
+    let monitor =
+        section.text("monitor", "a monitor as xrandr or the compositor lists it, for example \"DP-2\"", problems);
     let monitor = monitor.map(str::to_owned);
     let fullscreen = section.boolean("fullscreen", false, problems);
     if fullscreen && monitor.is_some() {

@@ -97,6 +97,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     for words in screens::screens(shown_on.as_deref().and_then(std::ffi::OsStr::to_str)) {
         tell("screen", None, words);
     }
+    if let Some(words) = screens::compositor() {
+        tell("screen", None, words);
+    }
     for words in screens::cards(Path::new("/sys/class/drm")) {
         tell("card", None, words);
     }

@@ -2,6 +2,7 @@
 
 use crate::launch::Environment;
 use crate::launch::probe::{self, Way};
+use crate::window::wayland;
 use cupola::backend::vk::driver::headless::Headless;
 use std::path::Path;
 use x11rb::connection::Connection;
@@ -22,6 +23,16 @@ pub fn screens(display: Option<&str>) -> Vec<String> {
         format!("{server}.{number}: {width}x{height} pixels of {} bits; {monitors}", screen.root_depth)
     };
     connection.setup().roots.iter().enumerate().map(describe).collect()
+}
+
+/// Returns a line for the Wayland compositor of the environment, with the names of its monitors.
+pub fn compositor() -> Option<String> {
+    let socket = std::env::var("WAYLAND_DISPLAY").ok().filter(|socket| !socket.is_empty())?;
+    Some(match wayland::monitors(&socket) {
+        Ok(monitors) if monitors.is_empty() => format!("{socket}: no monitors"),
+        Ok(monitors) => format!("{socket}: {}", monitors.join(", ")),
+        Err(failure) => failure.message,
+    })
 }
 
 /// Names and positions of the monitors of a screen.

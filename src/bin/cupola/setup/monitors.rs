@@ -2,6 +2,7 @@
 
 use crate::canvas::{Canvas, Letters};
 use crate::window::presenter::{Filled, Presenter};
+use cupola::rig::WindowSwaps;
 use serde_json::json;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -63,7 +64,7 @@ impl Monitors {
                 i16::try_from(corner + (i64::from(size) - i64::from([NAME.0, NAME.1][axis])) / 2).ok()
             };
             let filled = Filled::Picture { x: middle(0)?, y: middle(1)? };
-            let mut presenter = Presenter::open(None, &filled).ok()?;
+            let mut presenter = Presenter::open(None, &filled, WindowSwaps::default()).ok()?;
             let mut picture = Canvas::new(NAME.0 as usize, NAME.1 as usize, [0.1, 0.1, 0.2]);
             let centre = [f64::from(NAME.0) / 2.0, f64::from(NAME.1) / 2.0];
             picture.heading(&monitor.name, centre, Letters::Large, [1.0, 1.0, 1.0]);

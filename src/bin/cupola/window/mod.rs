@@ -3,12 +3,15 @@
 //! It is a process of its own, which reads published frames. If its screen goes away, nothing else
 //! ends.
 //!
-//! [`presenter`] shows pictures on a screen. [`opening`] starts such processes for the outputs of a
+//! [`presenter`] shows pictures on a screen of an X server ([`x11`]) or a Wayland compositor
+//! ([`wayland`]). [`opening`] starts such processes for the outputs of a
 //! rig. [`screens`] opens the windows of all outputs, for test pictures.
 
 pub mod opening;
 pub mod presenter;
 pub mod screens;
+pub mod wayland;
+mod x11;
 
 use crate::failure::Failure;
 use crate::pipe::nut;
@@ -34,10 +37,11 @@ pub struct Arguments {
     /// Show pictures from the standard input, as `cupola stream -` sends them
     #[arg(long, conflicts_with = "published")]
     stdin: bool,
-    /// X screen, for example :0.1 [default: $DISPLAY]
+    /// X screen, for example :0.1, or Wayland compositor, for example wayland-0 [default:
+    /// $WAYLAND_DISPLAY for a monitor, else $DISPLAY]
     #[arg(long, value_name = "NAME")]
     display: Option<String>,
-    /// Fill this monitor, for example DP-2, as xrandr lists it [default: a window as large as the
+    /// Fill this monitor, for example DP-2, as xrandr or the Wayland compositor lists it [default: a window as large as the
     /// picture]
     #[arg(long, value_name = "NAME", conflicts_with = "fullscreen")]
     monitor: Option<String>,
@@ -124,6 +128,6 @@ impl Arguments {
     fn screen(&self) -> Result<Presenter, Failure> {
         let filled = Filled::of(self.monitor.as_deref(), self.fullscreen, self.at.unwrap_or_default());
         let swaps = WindowSwaps { interval: self.swap_interval, group: self.swap_group, barrier: self.swap_barrier };
-        Ok(Presenter::open(self.display.as_deref(), &filled)?.with(swaps))
+        Presenter::open(self.display.as_deref(), &filled, swaps)
     }
 }

@@ -3,7 +3,7 @@
 
 use super::presenter::{Filled, Heard, Presenter};
 use crate::failure::Failure;
-use cupola::rig::{Output, Rig};
+use cupola::rig::{Output, Rig, WindowSwaps};
 
 /// A window of one or several outputs. It opens with the first picture.
 pub struct Screen {
@@ -31,7 +31,7 @@ impl Screen {
             let monitor = own.and_then(|own| own.monitor.as_deref());
             let filled = Filled::of(monitor, own.is_some_and(|own| own.fullscreen), (0, 0));
             let display = own.and_then(|own| own.display.as_deref()).or(display);
-            screens.push(Self { presenter: Presenter::open(display, &filled)?, output: alone });
+            screens.push(Self { presenter: Presenter::open(display, &filled, WindowSwaps::default())?, output: alone });
         }
         Ok(screens)
     }
@@ -61,7 +61,7 @@ impl Screen {
     ///
     /// # Errors
     /// The X server is gone.
-    pub fn heard(&self) -> Result<Heard, Failure> {
+    pub fn heard(&mut self) -> Result<Heard, Failure> {
         self.presenter.heard()
     }
 }
