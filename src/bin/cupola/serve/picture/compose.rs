@@ -74,4 +74,33 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn pixels_are_means_of_their_parts() {
+        let colour = |x: u32, y: u32| [(x * 37 + y * 11) as u8, (x * y) as u8, (y * 53) as u8];
+        for (size, place) in
+            [((4, 3), (0, 0, 4, 3)), ((8, 6), (2, 1, 4, 3)), ((7, 5), (1, 2, 3, 2)), ((6, 5), (0, 3, 6, 2))]
+        {
+            let pixels = (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y)));
+            let rgba: Vec<u8> = pixels.flat_map(|(x, y)| [colour(x, y).as_slice(), &[255]].concat()).collect();
+            let mut found = vec![0; 3 * 64];
+            shrink(&rgba, size, &mut found, 8, place);
+            for (x, y) in (0..8).flat_map(|y| (0..8).map(move |x| (x, y))) {
+                let (left, top, columns, rows) = place;
+                let is_inside = (left..left + columns).contains(&x) && (top..top + rows).contains(&y);
+                let expected = match is_inside {
+                    false => [0; 3],
+                    true => {
+                        let part = |at: u32, count: u32, length: u32| at * length / count..(at + 1) * length / count;
+                        let (across, down) = (part(x - left, columns, size.0), part(y - top, rows, size.1));
+                        let all: Vec<[u8; 3]> = down.flat_map(|y| across.clone().map(move |x| colour(x, y))).collect();
+                        let mean = |i: usize| all.iter().map(|c| f64::from(c[i])).sum::<f64>() / all.len() as f64;
+                        [0, 1, 2].map(|channel| mean(channel).round() as u8)
+                    }
+                };
+                let at = 3 * (8 * y + x) as usize;
+                assert_eq!(found[at..at + 3], expected, "{size:?} {place:?}: {x}, {y}");
+            }
+        }
+    }
 }
