@@ -72,8 +72,9 @@ impl Presenter {
         Ok(Self::Wayland(Box::new(window)))
     }
 
-    /// Shows a picture with red, green, blue and one more byte for each pixel, and waits until the
-    /// X screen has it, or the Wayland compositor asks for the next one. It is not scaled: what does not fit into the window is left out on the right
+    /// Shows a picture with red, green, blue and one more byte for each pixel. It waits until the X
+    /// screen has it; with Wayland until the compositor asks for the next one, at most a tenth of a
+    /// second. The picture is not scaled: what does not fit into the window is left out on the right
     /// and below. A message says if the size of the first picture is not that of the window.
     ///
     /// # Errors
@@ -111,7 +112,8 @@ impl Presenter {
     /// Waits until the server has executed all requests.
     ///
     /// # Errors
-    /// The server is gone, or the monitor is, or it has another place or size.
+    /// The server is gone, or it has closed the window, or the monitor is gone or has another place
+    /// or size.
     pub fn wait(&mut self) -> Result<(), Failure> {
         match self {
             Self::X11(window) => window.wait(),

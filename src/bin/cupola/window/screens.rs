@@ -60,7 +60,7 @@ impl Screen {
     /// What happened to the window since the last call.
     ///
     /// # Errors
-    /// The X server is gone.
+    /// The server is gone, or the window or its monitor is.
     pub fn heard(&mut self) -> Result<Heard, Failure> {
         self.presenter.heard()
     }

@@ -49,9 +49,10 @@ impl Swapchain {
     }
 
     /// Shows another rig. The program's images and recorded commands fit the views that they have, so
-    /// the correction is made again over these: roughly if `is_watched`, since that needs no new shaders. What the views show of the program's world is decided when commands are
-    /// submitted, so a changed camera is followed as well, unless another lens is given. If planning
-    /// fails, nothing changes.
+    /// the correction is made again over these: roughly if `is_watched`, since that needs no new
+    /// shaders. What the views show of the program's world is decided when commands are submitted, so
+    /// a changed camera is followed as well, unless another lens is given. If planning fails, nothing
+    /// changes.
     ///
     /// # Safety
     /// As for [`Swapchain::follow_rig`].

@@ -132,6 +132,10 @@ impl Presenter {
         let failed = failed(&self.name);
         let monitor = self.monitor()?.map(|output| (output.output.clone(), output.number, output.seen()));
         let size = monitor.as_ref().map_or(picture, |(_, _, size)| *size);
+        // A monitor without a mode.
+        if size.0 == 0 || size.1 == 0 {
+            return Err(failed(&"the monitor is switched off"));
+        }
         report_size(picture, size);
         let handle = self.queue.handle();
         let lacks = |name: &'static str| {
@@ -159,9 +163,6 @@ impl Presenter {
         let (across, down) = self.events.proposed;
         if let Some(viewporter) = viewporter.filter(|_| monitor.is_some() && across > 0 && down > 0) {
             viewporter.get_viewport(&surface, &handle, ()).set_destination(across, down);
-        }
-        if size.0 == 0 || size.1 == 0 {
-            return Err(failed(&"the monitor is switched off"));
         }
         let bytes = 4 * u64::from(size.0) * u64::from(size.1);
         let all = i32::try_from(bytes * BUFFERS as u64).map_err(|_| failed(&"the picture is too large"))?;
