@@ -41,8 +41,8 @@ pub struct Arguments {
     /// $WAYLAND_DISPLAY for a monitor, else $DISPLAY]
     #[arg(long, value_name = "NAME")]
     display: Option<String>,
-    /// Fill this monitor, for example DP-2, as xrandr or the Wayland compositor lists it [default: a window as large as the
-    /// picture]
+    /// Fill this monitor, for example DP-2, as xrandr or the Wayland compositor lists it [default: a
+    /// window as large as the picture]
     #[arg(long, value_name = "NAME", conflicts_with = "fullscreen")]
     monitor: Option<String>,
     /// Fill the screen
